@@ -20,11 +20,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A scene stands in a pose: where camera, lights and objects are at a time.
     let scene = Arc::new(load_scene("cornell-box", None)?);
     let pose = scene.pose(0.0);
-    let settings = Settings { size: [640, 480], direct: Direct::Soft, ..Settings::default() };
+    let settings =
+        Settings { size: [640, 480], direct: Direct::Soft, still_frames: 256, ..Settings::default() };
     let mut renderer = Renderer::new(&device, &scene, &settings, &pose)?;
 
-    // Temporal sets, antialiasing and noise come to rest.
-    for _ in 0..renderer.frames_to_convergence() {
+    // While nothing changes, the mean of all frames becomes the picture.
+    while !renderer.is_frozen() {
         renderer.render(&pose)?;
     }
     let path = target.write(&renderer.read_picture(false)?, 0)?;

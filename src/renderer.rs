@@ -36,16 +36,16 @@ use crate::estimators::{self, Estimator, EstimatorContext, World};
 use crate::gpu_scene::GpuScene;
 use crate::gpu_scene::structs::FrameUniforms;
 use crate::gpu_scene::tracer::{RayTracer, TracerVariant};
-use crate::passes::clock::ConvergenceClock;
+use crate::passes::clock::{Clock, FrameClock};
 use crate::passes::combine::CombineInputs;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::gbuffer::GBufferInputs;
 use crate::passes::reprojection::ReprojectionInputs;
 use crate::passes::thin_surfaces::ThinSurfacesPass;
-use crate::report::FrameReport;
+use crate::report::{Counters, FrameReport};
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
-use crate::vulkan::{Device, Frames, VulkanError};
+use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 use direct::{DirectInputs, ambient};
 use reports::{Pending, report};
 use shared::{SharedPasses, effect_image, indirect_denoiser};
@@ -91,7 +91,11 @@ pub struct Renderer {
     unjittered: Option<Mat4>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
-    clock: ConvergenceClock,
+    clock: Clock,
+    /// Of [`FrameReport::still`], in the last frame.
+    still: u32,
+    /// Whether a frozen picture is to be shown otherwise.
+    redraws: bool,
     /// Those that the renderers drew whose place it took.
     frames_before: u64,
 
@@ -151,7 +155,9 @@ impl Renderer {
             unjittered: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
-            clock: ConvergenceClock::default(),
+            clock: Clock::default(),
+            still: 0,
+            redraws: false,
             frames_before: 0,
             scene,
             bvh,
@@ -162,14 +168,20 @@ impl Renderer {
         })
     }
 
-    /// Draws the next frame with everything standing as in `pose`. Does not wait for the device to finish it.
+    /// Draws the next frame with everything standing as in `pose`. Does not wait for the device to finish it. A frozen picture is drawn
+    /// already.
     ///
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let pose = &*pose.about(self.anchor);
-        let clock = self.clock.next(pose, self.cycle());
-        let pending = self.update(pose, clock.frame);
+        let clock = self.clock.next(pose, &self.clock_inputs());
+        self.still = clock.still_frames();
+        let redraws = std::mem::take(&mut self.redraws);
+        if clock.is_frozen() && !redraws {
+            return self.stay(&clock);
+        }
+        let pending = self.update(pose, &clock);
         let FrameSetup { pose, uniforms, unjittered } = &self.set_up(pose, &clock);
 
         // Upload what has changed.
@@ -186,20 +198,18 @@ impl Renderer {
             uniforms: frame_uniforms,
             scene,
             buffers: self.gpu_scene.buffers(),
-            versions: uploaded.versions,
             pose,
             view_projection: uniforms.view_projection,
             unjittered: *unjittered,
         };
         let gbuffer = self.passes.gbuffer.record(&mut frame, &gbuffer_inputs)?;
-        if self.passes.follows_surfaces && !clock.is_frozen() {
+        if self.passes.follows_surfaces {
             let surfaces = ReprojectionInputs::of(frame_uniforms, scene, gbuffer);
             self.passes.reprojection.record(&mut frame, &surfaces)?;
         }
         let inputs = &FrameInputs {
             uniforms: frame_uniforms,
             scene,
-            versions: uploaded.versions,
             gbuffer,
             reprojection: self.passes.reprojection.output(),
             clock,
@@ -207,16 +217,14 @@ impl Renderer {
         };
 
         // Light them: directly, indirectly, and by what they mirror.
-        let direct_inputs = DirectInputs {
-            light_count: uniforms.light_count,
-            background: uniforms.background,
-            ambient: ambient(&self.settings, pose),
-        };
+        let direct_inputs =
+            DirectInputs { light_count: uniforms.light_count, ambient: ambient(&self.settings, pose) };
         self.passes.direct.record(&mut frame, inputs, &direct_inputs)?;
         let (estimator, denoiser) = (&mut *self.estimator, &mut *self.indirect_denoiser);
         record_indirect(&mut frame, estimator, denoiser, inputs)?;
         if let Some(reflections) = &mut self.passes.reflections {
-            record_reflections(&mut frame, reflections, estimator, denoiser, inputs)?;
+            let lights_hits = estimators::method(&self.settings).lights_hits;
+            record_reflections(&mut frame, reflections, (estimator, lights_hits), denoiser, inputs)?;
         }
 
         // Join all light, smooth edges, and tone map.
@@ -231,8 +239,14 @@ impl Renderer {
             thin_surfaces: self.passes.direct.thin_surfaces.as_ref().map(ThinSurfacesPass::output),
             reflection: reflections.map(Reflections::output),
         };
-        let passes = (&self.passes.combine, self.passes.taa.as_mut());
-        let display = post_process(&mut frame, passes, &joined, inputs, self.settings.exposure)?;
+        let raw = CombineInputs {
+            direct: shading.raw(),
+            reflection: reflections.map(Reflections::noisy),
+            ..joined
+        };
+        let passes = (&self.passes.combine, self.passes.taa.as_mut(), self.passes.still.as_mut());
+        let lights = (&joined, &raw, estimator.sampled());
+        let display = post_process(&mut frame, passes, lights, inputs, self.settings.exposure)?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {
@@ -259,15 +273,42 @@ impl Renderer {
     }
 
     /// The frame's work on the CPU, while the device draws the frame before.
-    fn update(&mut self, pose: &Pose, frame: u64) -> Pending {
+    fn update(&mut self, pose: &Pose, clock: &FrameClock) -> Pending {
         let begun = Instant::now();
         self.bvh.update(&pose.instances);
         let soft = self.settings.direct == Direct::Soft;
         self.gpu_scene.update_lights(&self.scene, pose, soft);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
-        cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, frame));
+        cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, clock));
         let method = estimators::method(&self.settings);
-        Pending { frame: self.frames_before + frame, method, cpu_ms, counters: self.estimator.counters() }
+        let counters = self.estimator.counters();
+        Pending {
+            frame: self.frames_before + clock.frame,
+            still: clock.still_frames(),
+            method,
+            cpu_ms,
+            counters,
+        }
+    }
+
+    /// A frame that leaves the frozen picture as it is, and runs nothing.
+    fn stay(&mut self, clock: &FrameClock) -> Result<(), RenderError> {
+        self.reports = self.finish()?;
+        let (frame, method) = (self.frames_before + clock.frame, estimators::method(&self.settings));
+        let (cpu_ms, counters) = (Vec::new(), Counters::default());
+        self.pending.push_back(Pending { frame, still: clock.still_frames(), method, cpu_ms, counters });
+        self.reports.extend(report(&mut self.pending, &*self.estimator, &FrameTimes::default()));
+        Ok(())
+    }
+
+    /// Frames in which nothing has changed whose mean the picture of the last frame goes over to; 0 while anything changes.
+    pub fn still_frames(&self) -> u32 {
+        self.still
+    }
+
+    /// Whether the picture of the last frame stays as long as nothing changes.
+    pub fn is_frozen(&self) -> bool {
+        self.still > 0 && self.still == self.settings.still_frames
     }
 
     /// How long building the BVH took, milliseconds.

@@ -96,6 +96,8 @@ pub struct FrameFigures {
 pub struct FrameReport {
     /// Number of the frame, from 0.
     pub frame: u64,
+    /// Frames in which nothing has changed whose mean the picture goes over to, with this one; 0 while anything changes.
+    pub still: u32,
     /// Its measurements.
     #[serde(flatten)]
     pub figures: FrameFigures,
@@ -218,6 +220,7 @@ mod tests {
         let counters = [("vpls.slots", 512), ("vpls.shot", number), ("shadow_rays", 1000 - number)];
         FrameReport {
             frame: number,
+            still: 0,
             figures: FrameFigures {
                 total_ms: number as f64 + 0.5,
                 passes: passes.collect(),
@@ -258,7 +261,7 @@ mod tests {
         assert_eq!((&json["load_ms"], &json["bvh_ms"]), (&12.0.into(), &3.0.into()));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
         let first = &json["frames"][0];
-        assert_eq!(keys(first), sorted([figures.clone(), vec!["frame"]].concat()));
+        assert_eq!(keys(first), sorted([figures.clone(), vec!["frame", "still"]].concat()));
         for part in [first, &json["summary"]["median"], &json["summary"]["p95"]] {
             assert_eq!(keys(&part["passes"]), sorted(vec!["gbuffer", "combine"]));
             assert_eq!(keys(&part["vpls"]), sorted(vec!["slots", "shot"]));

@@ -49,6 +49,7 @@ layout(push_constant) uniform Push {
     float spread; // of a pixel, over a distance of 1
     uint has_history;
     uint has_environment; // 0: what lies behind all surfaces is only seen, it sends no light
+    uint sees_screen;     // 0: hits on the screen are left to the estimator, too
 } push;
 
 // Dimensions of the random numbers that a hit takes; the first ones are those of soft shadows.
@@ -84,7 +85,7 @@ bool inside(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(
 bool seen_irradiance(HitSurface hit, uint instance, out vec3 result) {
     vec4 clip = frame.view_projection * vec4(hit.position, 1.0);
     ivec2 pixel = ivec2(floor((clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size)));
-    if (clip.w <= 0.0 || !inside(pixel) || texelFetch(gbuffer_instance, pixel, 0).x != instance + 1u) return false;
+    if (push.sees_screen == 0u || clip.w <= 0.0 || !inside(pixel) || texelFetch(gbuffer_instance, pixel, 0).x != instance + 1u) return false;
     Surface at = surface_at(pixel);
     float footprint = at.depth * push.spread;
     bool same = abs(dot(at.position - hit.position, hit.geometric)) < 2.0 * footprint + ray_offset(hit.position)

@@ -6,7 +6,6 @@
 #include "reflection_weight.glsl"
 
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D direct;
-layout(set = 0, binding = 2, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 3, rgba16f) uniform readonly image2D gbuffer_albedo;
 layout(set = 0, binding = 6, rgba16f) uniform readonly image2D specular_albedo;
 layout(set = 0, binding = 7, rgba16f) uniform readonly image2D thin_light;
@@ -15,7 +14,7 @@ layout(set = 0, binding = 9, rgba16f) uniform readonly image2D thin_transmittanc
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2D reflection;
 
 // a: 0 where no surface is.
-vec4 radiance_at(ivec2 pixel) {
+vec4 radiance_at(ivec2 pixel, vec3 irradiance) {
     vec4 light = imageLoad(direct, pixel);
     vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);
     vec3 specular = imageLoad(specular_albedo, pixel).rgb;
@@ -27,5 +26,5 @@ vec4 radiance_at(ivec2 pixel) {
         light.rgb = light.rgb * transmittance + imageLoad(thin_light, pixel).rgb;
         albedo = albedo * transmittance + imageLoad(thin_albedo, pixel).rgb;
     }
-    return vec4(light.rgb + albedo / PI * imageLoad(irradiance, pixel).rgb, light.a);
+    return vec4(light.rgb + albedo / PI * irradiance, light.a);
 }

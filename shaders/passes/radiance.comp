@@ -7,10 +7,11 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D irradiance;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D radiance;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    imageStore(radiance, pixel, storable(radiance_at(pixel)));
+    imageStore(radiance, pixel, storable(radiance_at(pixel, imageLoad(irradiance, pixel).rgb)));
 }

@@ -126,16 +126,20 @@ pub(super) fn stop(
     let mut last = source.picture()?.colour;
     let mut settling_frames = 0;
     let mut still = Vec::new();
-    let longest = source.frames_to_convergence();
-    for number in 1..=longest + STILL_FRAMES as u32 {
+    for number in 1.. {
         source.render(&pose, control)?;
         let picture = source.picture()?;
-        if number > longest {
-            still.push(image(&picture)?);
-        } else if picture.colour != last {
+        if picture.colour != last {
             settling_frames = number;
         }
         last = picture.colour;
+        if source.rests() {
+            break;
+        }
+    }
+    for _ in 0..STILL_FRAMES {
+        source.render(&pose, control)?;
+        still.push(image(&source.picture()?)?);
     }
     Ok((settling_frames, temporal_error(&still)?.unwrap_or(0.0)))
 }
@@ -153,13 +157,16 @@ pub(super) fn still(
     let mut source = FrameSource::new(scene, method, settings, &pose)?;
     let mut last = Picture::default();
     let (mut frames, mut ms, mut total_ms) = (0, 0.0, 0.0);
-    for number in 1..=source.frames_to_convergence() {
+    for number in 1.. {
         total_ms += source.render(&pose, control)?.0;
         let picture = source.picture()?;
         if picture.colour != last.colour {
             (frames, ms) = (number, total_ms);
         }
         last = picture;
+        if source.rests() {
+            break;
+        }
     }
     Ok(Still { frames, ms, error: FrameQuality::of(frame, &compare_with(&last, reference)?) })
 }

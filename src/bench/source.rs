@@ -110,11 +110,11 @@ impl FrameSource {
         }
     }
 
-    /// Frames from the first one until a picture in which nothing moves stands still; the path tracer's never does.
-    pub fn frames_to_convergence(&self) -> u32 {
+    /// Whether the picture stays, or never will, as long as nothing changes.
+    pub fn rests(&self) -> bool {
         match self {
-            Self::Renderer(renderer) => u32::try_from(renderer.frames_to_convergence()).unwrap_or(u32::MAX),
-            Self::PathTracer(_) => 1,
+            Self::Renderer(renderer) => renderer.is_frozen() || renderer.settings().still_frames == 0,
+            Self::PathTracer(_) => true,
         }
     }
 

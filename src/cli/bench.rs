@@ -29,12 +29,13 @@ const SPP: u32 = 1024;
 /// Default size in pixels.
 const SIZE: [u32; 2] = [1024, 1024];
 /// Defaults on a CPU device, which takes some 50 ms for such a frame.
-const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0 };
+const ON_CPU: OnCpu = OnCpu { frames: 20, size: [256, 256], time_step: 1.0 / 20.0, still_frames: 64 };
 
 struct OnCpu {
     frames: u32,
     size: [u32; 2],
     time_step: f64,
+    still_frames: u32,
 }
 
 /// Help after the options.
@@ -268,8 +269,9 @@ fn plan(options: &BenchOptions, old: Option<&Report>, device: &Arc<Device>) -> R
     let mut settings = old.map(|old| old.settings.clone()).unwrap_or_default();
     settings.extend(options.settings.given.table().clone());
     let on_cpu = device.is_cpu();
-    if on_cpu && old.is_none() && !settings.contains_key("time_step") {
-        settings.insert("time_step".to_owned(), ON_CPU.time_step.into());
+    if on_cpu && old.is_none() {
+        settings.entry("time_step").or_insert(ON_CPU.time_step.into());
+        settings.entry("still_frames").or_insert(ON_CPU.still_frames.into());
     }
     let mut sweep = options.settings.sweep(old.map(|old| &old.sweep), on_cpu);
     for method in options.methods.concat() {

@@ -32,7 +32,7 @@ fn command_line(session: &Session, scene: &str, clock: &Clock) -> String {
     if clock.paused {
         settings.time_step = 0.0;
     }
-    let (frames, time) = (session.renderer.frames_to_convergence(), clock.time);
+    let (frames, time) = (settings.still_frames.max(settings.vpl.temporal_sets), clock.time);
     let options: String = settings
         .differing_options()
         .into_iter()

@@ -56,6 +56,8 @@ impl Open {
         let is_busy = self.loader.progress().is_some() || self.resized.is_some();
         let is_fixed = is_reference || !matches!(self.recording, Recording::Off);
         let session = self.session.as_ref().filter(|_| self.resolution.automatic && !is_busy && !is_fixed);
+        // Motion asks for a rate; what stands still, for every pixel.
+        let session = session.filter(|session| session.renderer.still_frames() == 0);
         let Some(session) = session else {
             self.resolution.restart();
             return;

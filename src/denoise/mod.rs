@@ -9,7 +9,6 @@ pub mod svgf;
 
 pub use method::{DenoiserContext, DenoiserPass, Method, Use};
 
-use crate::passes::clock::StaticFrame;
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::report::PassInfo;
@@ -44,8 +43,6 @@ pub struct DenoiserInputs<'a> {
     pub surface: &'a Image,
     /// Where the signal was in the last frame: `Reprojection::reprojected`.
     pub reprojected: &'a Image,
-    /// The frame's place in a static scene; none while anything changes.
-    pub static_frame: Option<StaticFrame>,
 }
 
 impl<'a> DenoiserInputs<'a> {
@@ -59,7 +56,6 @@ impl<'a> DenoiserInputs<'a> {
             normal: &inputs.gbuffer.normal,
             surface: inputs.reprojection.surface(),
             reprojected: &inputs.reprojection.reprojected,
-            static_frame: inputs.clock.static_frame(),
         }
     }
 
@@ -81,11 +77,6 @@ pub trait Denoiser: Send {
 
     /// The denoised signal of the last frame, given the noisy one.
     fn output<'a>(&'a self, noisy: &'a Image) -> &'a Image;
-
-    /// Whether frames of a static scene are accumulated, so that noise averages out before the picture freezes.
-    fn accumulates(&self) -> bool {
-        false
-    }
 
     /// The image that one of the use's views shows, by the end of the view's name, and how: the history (`temporal`), the noise
     /// that is left (`variance`), the length of the history (`history`). None where the denoiser has no such image. `signal`

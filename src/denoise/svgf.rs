@@ -2,9 +2,6 @@
 //! surfaces, estimate its variance, and blur it along surfaces as far as that variance explains differences.
 //!
 //! In: a signal without the albedo of the surface, one noisy frame after the other. Out: the signal, denoised.
-//!
-//! Frames of a static scene are also accumulated by themselves, each with the same weight. Their mean is shown in the end: it depends
-//! on those frames alone, whatever came before.
 
 use std::sync::Arc;
 
@@ -13,7 +10,6 @@ use bytemuck::{Pod, Zeroable};
 use super::spatial::{self, Spatial};
 use super::{Denoiser, DenoiserContext, DenoiserInputs, DenoiserPass, Method, SignalNoise, Use};
 use crate::denoiser_pass;
-use crate::passes::clock::StaticFrame;
 use crate::passes::effect_view::Visualization;
 use crate::passes::history::History;
 use crate::passes::storage_image;
@@ -53,29 +49,7 @@ fn overridden(settings: &SvgfSettings, usage: Use) -> SvgfSettings {
     }
 }
 
-/// The mean of the frames so far.
-struct Accumulation {
-    /// The signal, after the level that feeds back.
-    light: History<Image>,
-    /// Moments of its luminance.
-    moments: History<Image>,
-}
-
-impl Accumulation {
-    fn new(image: impl Fn(&str) -> Result<Image, VulkanError>) -> Result<Self, VulkanError> {
-        Ok(Self {
-            light: History::new(|_| image("svgf history"))?,
-            moments: History::new(|_| image("svgf moments"))?,
-        })
-    }
-
-    fn forget(&mut self) {
-        self.light.forget();
-        self.moments.forget();
-    }
-}
-
-/// The denoiser of one signal: 80 bytes a pixel.
+/// The denoiser of one signal: 48 bytes a pixel.
 pub struct Svgf {
     usage: Use,
     temporal: ComputePipeline,
@@ -87,12 +61,10 @@ pub struct Svgf {
     is_compressed: bool,
     /// How far blur reaches where it is adapted to what is of use, pixels; 0 where it is not.
     widest: f32,
-    /// The mean of all frames, in which the newest count the most.
-    recent: Accumulation,
-    /// The mean of the frames of a static scene, in which all count alike.
-    converging: Accumulation,
-    /// Whether `converging` is what is shown, and `recent` has stopped.
-    shows_converging: bool,
+    /// The mean of the frames so far, in which the newest count the most, after the level that feeds back.
+    history: History<Image>,
+    /// Moments of its luminance.
+    moments: History<Image>,
     /// Before and after a step of the filter, in turns.
     light: [Image; 2],
     /// Which of them holds the result; none without a filter: what has accumulated is.
@@ -113,7 +85,6 @@ struct TemporalPush {
 }
 
 impl TemporalPush {
-    /// In a scene that changes.
     fn new(settings: &SvgfSettings) -> Self {
         Self {
             least_alpha: settings.alpha,
@@ -124,11 +95,6 @@ impl TemporalPush {
             brightest: settings.firefly,
             ..Self::zeroed()
         }
-    }
-
-    /// In a static scene.
-    fn of_static_scene() -> Self {
-        Self { longest: LONGEST_STATIC, ..Self::zeroed() }
     }
 }
 
@@ -154,9 +120,6 @@ struct AtrousPush {
     expand: u32,
 }
 
-/// Beyond this many frames half floats count no further.
-const LONGEST_STATIC: f32 = 2048.0;
-
 impl Svgf {
     /// Makes the pipelines, and the images of `extent` texels.
     ///
@@ -181,9 +144,8 @@ impl Svgf {
             settings: *settings,
             is_compressed: settings.reinhard && settings.levels > 0,
             widest: if settings.adaptive { settings.reach() } else { 0.0 },
-            recent: Accumulation::new(image)?,
-            converging: Accumulation::new(image)?,
-            shows_converging: false,
+            history: History::new(|_| image("svgf history"))?,
+            moments: History::new(|_| image("svgf moments"))?,
             light: [image("svgf light 0")?, image("svgf light 1")?],
             result: None,
         })
@@ -196,7 +158,7 @@ impl Svgf {
 
     /// Of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
     pub fn moments(&self) -> &Image {
-        self.shown().moments.last()
+        self.moments.last()
     }
 
     /// What the last steps of the filter wrote, in turns, as [`Self::output`].
@@ -206,25 +168,15 @@ impl Svgf {
 
     /// What the next frame takes as history, as [`Self::output`].
     pub fn history(&self) -> &Image {
-        self.shown().light.last()
+        self.history.last()
     }
 
-    fn shown(&self) -> &Accumulation {
-        if self.shows_converging { &self.converging } else { &self.recent }
-    }
-
-    /// Adds the frame to one of the means.
-    fn accumulate(
-        &mut self,
-        frame: &mut Frame<'_>,
-        inputs: &DenoiserInputs<'_>,
-        converging: bool,
-    ) -> Result<(), VulkanError> {
-        let to = if converging { &mut self.converging } else { &mut self.recent };
+    /// Adds the frame to the mean.
+    fn accumulate(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
         let push = TemporalPush {
-            has_history: u32::from(to.light.is_valid()),
+            has_history: u32::from(self.history.is_valid()),
             compress: u32::from(self.is_compressed),
-            ..if converging { TemporalPush::of_static_scene() } else { TemporalPush::new(&self.settings) }
+            ..TemporalPush::new(&self.settings)
         };
         frame
             .pass(TEMPORAL.name(self.usage), &self.temporal)
@@ -232,24 +184,24 @@ impl Svgf {
             .read("surface", inputs.surface)
             .read("noisy", inputs.noisy)
             .read("reprojected", inputs.reprojected)
-            .read("history", to.light.last())
-            .read("last_moments", to.moments.last())
-            .write("light", to.light.next())
-            .write("moments", to.moments.next())
+            .read("history", self.history.last())
+            .read("last_moments", self.moments.last())
+            .write("light", self.history.next())
+            .write("moments", self.moments.next())
             .push(&push)
             .dispatch_over(self.light[0].extent())?;
-        to.light.advance();
-        to.moments.advance();
+        self.history.advance();
+        self.moments.advance();
         Ok(())
     }
 
-    /// Filters what is shown, from image to image. What becomes history goes there instead; the mean of a static scene stays as it is.
+    /// Filters it, from image to image. What becomes history goes there instead.
     fn blur(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
         let SvgfSettings { levels, feedback, .. } = self.settings;
         if levels == 0 {
             return Ok(());
         }
-        let feedback = if self.shows_converging { 0 } else { feedback.min(levels - 1) };
+        let feedback = feedback.min(levels - 1);
         self.estimate_variance(frame, inputs)?;
         let mut from = Some(0);
         for level in 1..=levels {
@@ -304,30 +256,12 @@ impl Svgf {
 
 impl Denoiser for Svgf {
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
-        let place = inputs.static_frame;
-        let shows_converging = place.is_some_and(|place| place.shown);
-        if self.shows_converging && !shows_converging {
-            std::mem::swap(&mut self.recent, &mut self.converging);
-        }
-        if place.is_none_or(|StaticFrame { index, .. }| index == 0) {
-            self.converging.forget();
-        }
-        self.shows_converging = shows_converging;
-        if !shows_converging {
-            self.accumulate(frame, inputs, false)?;
-        }
-        if place.is_some() {
-            self.accumulate(frame, inputs, true)?;
-        }
+        self.accumulate(frame, inputs)?;
         self.blur(frame, inputs)
     }
 
     fn output<'a>(&'a self, _: &'a Image) -> &'a Image {
         self.output()
-    }
-
-    fn accumulates(&self) -> bool {
-        true
     }
 
     fn debug_image(&self, stage: &str, signal: Visualization) -> Option<(&Image, Visualization)> {

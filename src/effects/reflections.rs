@@ -39,9 +39,10 @@ struct TracePush {
     spread: f32,
     has_history: u32,
     has_environment: u32,
+    sees_screen: u32,
 }
 
-/// The effect: 164 bytes a pixel.
+/// The effect: 132 bytes a pixel.
 pub struct Reflections {
     trace: ComputePipeline,
     noisy: Image,
@@ -137,12 +138,8 @@ impl Reflections {
         DebugImages { noisy: &self.noisy, denoiser: &*self.denoiser, signal: Visualization::Light }
     }
 
-    /// Whether it accumulates frames of a static scene.
-    pub fn accumulates(&self) -> bool {
-        self.denoiser.accumulates()
-    }
-
-    /// Casts the rays. `irradiance`: that of the visible surfaces, RGBA16F.
+    /// Casts the rays. `irradiance`: that of the visible surfaces, RGBA16F, and whether hits on the screen take it from there. Otherwise
+    /// the estimator is to light all.
     ///
     /// # Errors
     /// Where the device fails.
@@ -150,13 +147,14 @@ impl Reflections {
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
-        irradiance: &Image,
+        (irradiance, sees_screen): (&Image, bool),
     ) -> Result<(), VulkanError> {
         let (gbuffer, image) = (inputs.gbuffer, &mut self.image);
         let extent = self.noisy.extent();
         let spread = 2.0 * (inputs.pose.camera.vertical_fov * 0.5).tan() / extent[1] as f32;
         let has_history = u32::from(image.surfaces.is_valid());
         let has_environment = u32::from(inputs.pose.environment.is_some());
+        let sees_screen = u32::from(sees_screen);
         inputs
             .bind(frame.pass("reflections_trace", &self.trace))
             .read("gbuffer_albedo", &gbuffer.albedo)
@@ -172,7 +170,7 @@ impl Reflections {
             .write("image_normal", &image.normal)
             .write("image_surface", image.surfaces.next())
             .write("image_reprojected", &image.reprojected)
-            .push(&TracePush { spread, has_history, has_environment })
+            .push(&TracePush { spread, has_history, has_environment, sees_screen })
             .dispatch_over(extent)?;
         image.surfaces.advance();
         Ok(())

@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use super::{DebugImages, make_denoiser};
 use crate::denoise::{Denoiser, DenoiserInputs, Use};
-use crate::gpu_scene::skip::Version;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
@@ -15,12 +14,11 @@ use crate::passes::storage_image;
 use crate::settings::{Noise, Settings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// The effect: 88 bytes a pixel.
+/// The effect: 56 bytes a pixel.
 pub struct SoftShadows {
     trace: ComputePipeline,
     noisy: Image,
     denoiser: Box<dyn Denoiser>,
-    version: Version,
 }
 
 impl SoftShadows {
@@ -36,7 +34,6 @@ impl SoftShadows {
             trace: tracer.pipeline(device, "soft_shadows_trace", shader, &[white])?,
             noisy: storage_image(device, "noisy shadow", halves, settings.size)?,
             denoiser: make_denoiser(device, Use::SoftShadows, settings)?,
-            version: Version::default(),
         })
     }
 
@@ -50,26 +47,17 @@ impl SoftShadows {
         DebugImages { noisy: &self.noisy, denoiser: &*self.denoiser, signal: Visualization::Share }
     }
 
-    /// Tells one output from the next.
-    pub fn version(&self) -> Version {
-        self.version
+    /// The same as the rays of the last frame have it.
+    pub fn noisy(&self) -> &Image {
+        &self.noisy
     }
 
-    /// Whether it accumulates frames of a static scene.
-    pub fn accumulates(&self) -> bool {
-        self.denoiser.accumulates()
-    }
-
-    /// Casts the rays, and denoises; a frozen picture stays as it is.
+    /// Casts the rays, and denoises.
     ///
     /// # Errors
     /// Where the device fails.
     pub fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
-        if inputs.clock.is_frozen() {
-            return Ok(());
-        }
         let gbuffer = inputs.gbuffer;
-        self.version = self.version.next();
         inputs
             .bind(frame.pass("soft_shadows_trace", &self.trace))
             .read("gbuffer_albedo", &gbuffer.albedo)

@@ -22,9 +22,11 @@ pub use method::{Axis, CounterInfo, Method, MethodPasses};
 pub use pass_list::{is_part, passes, passes_with};
 
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};
+use crate::passes::clock::FrameClock;
 use crate::passes::effect_view;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
+use crate::passes::still::SampledIrradiance;
 use crate::report::Counters;
 use crate::settings::{Registry, Settings};
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
@@ -65,18 +67,18 @@ pub struct Hits<'a> {
 /// A method of indirect light. One frame: [`Self::update`], then [`Self::record`].
 pub trait Estimator: Any + Send {
     /// Frames in which it draws everything once, by turns that begin with frame 0; 1 where there are no turns.
-    fn cycle(&self) -> u32 {
+    fn turns(&self) -> u32 {
         1
     }
 
-    /// Frames after the last change until its light is what it would be after a fresh start.
-    fn settles_in(&self) -> u32 {
-        0
+    /// Whether the light that it samples next is that of a fresh start, were nothing to change.
+    fn is_settled(&self) -> bool {
+        true
     }
 
-    /// The work of a frame with this number on the CPU, while the device draws the frame before. Gives the milliseconds of each
-    /// CPU pass.
-    fn update(&mut self, _world: World<'_>, _frame: u64) -> Vec<f64> {
+    /// The work of a frame on the CPU, while the device draws the frame before. What it samples in a still frame follows from the
+    /// number of that alone. Gives the milliseconds of each CPU pass.
+    fn update(&mut self, _world: World<'_>, _clock: &FrameClock) -> Vec<f64> {
         Vec::new()
     }
 
@@ -93,6 +95,12 @@ pub trait Estimator: Any + Send {
 
     /// The irradiance of the last frame before it is denoised.
     fn signal(&self) -> IrradianceSignal<'_>;
+
+    /// The irradiance that the last frame has sampled, an unbiased estimate by itself, which no denoiser overwrites. In a still frame it
+    /// depends on nothing before.
+    fn sampled(&self) -> SampledIrradiance<'_> {
+        SampledIrradiance { image: self.signal().noisy, scale: 1.0, step: 1, offset: [0; 2] }
+    }
 
     /// Records what makes irradiance of the denoised signal, for signals that are not of the picture's size.
     ///
@@ -203,6 +211,11 @@ pub struct DebugView {
 }
 
 impl DebugView {
+    /// Whether the picture is shown, perhaps with lines over it.
+    pub fn is_picture(&self) -> bool {
+        self.buffer == COMBINED && self.options.is_empty()
+    }
+
     /// The options of a method's views. What is not set has its default.
     pub fn options<Options: DeserializeOwned + Default>(&self) -> Options {
         serde_json::from_value(Value::Object(self.options.clone())).unwrap_or_default()

@@ -28,7 +28,7 @@ const PICTURE: [PassInfo; 6] = [
     PassInfo::part("combine", "exposure", [237, 160, 210]),
     PassInfo::part("combine", "tone_map", [200, 90, 170]),
     PassInfo::new("taa", [188, 128, 189]),
-    PassInfo::new("taa_average", [208, 168, 209]),
+    PassInfo::new("still", [208, 168, 209]),
 ];
 
 /// All passes in the order of a frame, each with the name of its method, or `shared` by all.

@@ -11,7 +11,6 @@ pub mod hit_buffers;
 mod lights;
 pub mod noise;
 pub mod scene_buffers;
-pub mod skip;
 pub mod structs;
 pub mod tracer;
 mod tracer_hardware;
@@ -26,8 +25,7 @@ use area_lights::{AreaLights, UploadedAreaLights};
 use environment::EnvironmentTexture;
 use hit_buffers::HitBuffers;
 pub use lights::lights_of;
-use scene_buffers::{Instances, SceneBuffers};
-use skip::{LastInputs, Version};
+use scene_buffers::SceneBuffers;
 use structs::LightData;
 use tracer::{RayTracer, Tracer, TracerVariant};
 
@@ -42,27 +40,14 @@ pub struct GpuScene {
     tracer: Tracer,
     area_lights: AreaLights,
     /// Point, spot and directional lights.
-    lights: LastInputs<Vec<LightData>>,
+    lights: Vec<LightData>,
 }
 
 /// What a frame has uploaded: instances and lights as they stand.
 pub struct FrameScene {
-    instances: Instances,
+    instances: Arc<Buffer>,
     lights: Upload,
     area_lights: UploadedAreaLights,
-    /// Tells one state of the scene from the next.
-    pub versions: SceneVersions,
-}
-
-/// Tells one content of the scene's parts from the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SceneVersions {
-    /// Of the instances, where they stand and how their emission is scaled.
-    pub instances: Version,
-    /// Of the materials and the environment's map.
-    pub materials: Version,
-    /// Of the point, spot and directional lights.
-    pub lights: Version,
 }
 
 impl GpuScene {
@@ -82,7 +67,7 @@ impl GpuScene {
             noise: noise::table(device)?,
             tracer: Tracer::new(device, tracer, bvh)?,
             area_lights: AreaLights::default(),
-            lights: LastInputs::default(),
+            lights: Vec::new(),
         })
     }
 
@@ -133,13 +118,13 @@ impl GpuScene {
 
     /// Brings the lights up to date with `pose`. With `soft` shadows they keep their extent.
     pub fn update_lights(&mut self, scene: &Scene, pose: &Pose, soft: bool) {
-        self.lights.differ(lights_of(pose, soft));
+        self.lights = lights_of(pose, soft);
         self.area_lights.update(scene, pose);
     }
 
     /// How many point, spot and directional lights there are, and how many area lights.
     pub fn light_counts(&self) -> [u32; 2] {
-        [to_u32(self.lights.inputs().map_or(0, Vec::len)), self.area_lights.count()]
+        [to_u32(self.lights.len()), self.area_lights.count()]
     }
 
     /// Uploads the lights and where everything stands in `pose`, and brings the BVH on the device up to date.
@@ -153,15 +138,9 @@ impl GpuScene {
         bvh: &TwoLevelBvh,
     ) -> Result<FrameScene, VulkanError> {
         self.tracer.update(frame, bvh)?;
-        let instances = self.buffers.upload_instances(frame, scene, pose)?;
         Ok(FrameScene {
-            versions: SceneVersions {
-                instances: instances.version,
-                materials: self.buffers.version,
-                lights: self.lights.version(),
-            },
-            instances,
-            lights: frame.upload(self.lights.inputs().map_or(&[][..], Vec::as_slice))?,
+            instances: self.buffers.upload_instances(frame, scene, pose)?,
+            lights: frame.upload(&self.lights)?,
             area_lights: self.area_lights.upload(frame)?,
         })
     }
@@ -176,7 +155,7 @@ impl GpuScene {
         uploaded: &'a FrameScene,
     ) -> Result<SharedSet<'a>, VulkanError> {
         let mut resources: Vec<Named<'a>> = vec![
-            ("instances", (&*uploaded.instances.data).into()),
+            ("instances", (&*uploaded.instances).into()),
             ("lights", (&uploaded.lights).into()),
             ("area_lights", (&uploaded.area_lights.lights).into()),
             ("emitters", (&uploaded.area_lights.emitters).into()),

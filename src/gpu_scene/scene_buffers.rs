@@ -9,7 +9,6 @@ use glam::{Affine3A, Vec3};
 use super::clusters::Draw;
 use super::environment::EnvironmentTexture;
 use super::geometry::{Geometry, first_triangles};
-use super::skip::{LastInputs, Version};
 use super::structs::{
     COLOURED, EMITS_ON_BOTH_SIDES, InstanceData, MaterialData, SINGLE_SIDED, TextureUseData, UNLIT,
 };
@@ -34,8 +33,6 @@ pub struct SceneBuffers {
     pub materials: Buffer,
     /// The mean colour of each material's vertices; none where all are white.
     mean_colours: Vec<Option<Vec3>>,
-    /// Of materials and environment.
-    pub version: Version,
     /// One texture for each of the scene's, and a white one at the end.
     textures: Vec<Image>,
     samplers: HashMap<Sampling, Sampler>,
@@ -56,17 +53,9 @@ pub struct SceneBuffers {
     /// [`InstanceData`] of all instances.
     instances: Mirror,
     /// What is in there.
-    uploaded: LastInputs<Vec<InstanceData>>,
+    uploaded: Vec<InstanceData>,
     /// Where everything stood in the frame before.
     previous: Vec<Affine3A>,
-}
-
-/// The instances of one frame.
-pub struct Instances {
-    /// [`InstanceData`] of all.
-    pub data: Arc<Buffer>,
-    /// Of the data.
-    pub version: Version,
 }
 
 impl SceneBuffers {
@@ -99,7 +88,6 @@ impl SceneBuffers {
             colours: Buffer::with_data(device, "vertex_colours", &geometry.colours)?,
             indices: Buffer::with_data(device, "indices", &geometry.indices)?,
             materials: materials(device, scene, &colours)?,
-            version: Version::default(),
             material_textures: scene
                 .materials
                 .iter()
@@ -114,7 +102,7 @@ impl SceneBuffers {
             mean_colours: colours,
             first_triangles: scene.instances.iter().map(|instance| first_triangles[instance.mesh]).collect(),
             instances: Mirror::new(device, "instances", scene.instances.len() * size_of::<InstanceData>())?,
-            uploaded: LastInputs::default(),
+            uploaded: Vec::new(),
             previous: Vec::new(),
         })
     }
@@ -141,7 +129,6 @@ impl SceneBuffers {
         if let Some(environment) = environment {
             self.environment = environment;
         }
-        self.version = self.version.next();
     }
 
     /// Its part of the scene set.
@@ -169,13 +156,13 @@ impl SceneBuffers {
         MaterialSets::new(device, pipeline, &textures)
     }
 
-    /// Uploads those instances that are not as they were.
+    /// Uploads those instances that are not as they were; [`InstanceData`] of all.
     pub fn upload_instances(
         &mut self,
         frame: &mut Frame<'_>,
         scene: &Scene,
         pose: &Pose,
-    ) -> Result<Instances, VulkanError> {
+    ) -> Result<Arc<Buffer>, VulkanError> {
         if self.previous.len() != pose.instances.len() {
             self.previous.clone_from(&pose.instances);
         }
@@ -198,13 +185,13 @@ impl SceneBuffers {
             .collect();
         self.previous.clone_from(&pose.instances);
         self.instances.update(frame, 0, &data)?;
-        self.uploaded.differ(data);
-        Ok(Instances { data: Arc::clone(self.instances.buffer()), version: self.uploaded.version() })
+        self.uploaded = data;
+        Ok(Arc::clone(self.instances.buffer()))
     }
 
     /// What was uploaded last.
     pub fn uploaded_instances(&self) -> &[InstanceData] {
-        self.uploaded.inputs().map_or(&[], Vec::as_slice)
+        &self.uploaded
     }
 }
 

@@ -1,161 +1,187 @@
-//! The convergence of a static scene: it runs through one cycle of jitter and noise that is averaged, then it freezes.
+//! The clock: counts frames, and those in which nothing changes. Their raw radiance is averaged (still.rs) until the picture freezes.
 //!
-//! In: whether anything has changed since the last frame. Out: the number of the frame in that cycle. The cycle begins with the same
-//! temporal set whatever came before, so that what it makes does not depend on the past.
+//! In: where everything stands, and whether the estimator has forgotten what was before. Out: the number of the frame among the still
+//! ones. The first renders the first temporal set, and all that is random follows from that number, so that the mean of so many
+//! frames does not depend on the past.
 
 use glam::Vec2;
 
 use crate::scene::Pose;
 
-/// Positions in a pixel that antialiasing goes through.
+/// Positions in a pixel that antialiasing goes through while anything changes, and before it goes on to others in a still scene.
 const JITTERS: u32 = 16;
-/// Frames of noise that are averaged before those of the last positions are.
-const NOISE_FRAMES: u32 = 48;
+/// Pixels of which a still frame stands for one, where samples lie two pixels apart.
+const QUARTERS: u32 = 4;
 
-/// What the frames of a static scene go through until they freeze.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cycle {
-    /// Frames in which the estimator renders everything once.
-    pub estimator: u32,
-    /// Frames after which its light is that of a fresh start.
-    pub settled: u32,
-    /// Whether denoisers accumulate noise.
-    pub is_noisy: bool,
+/// When still frames begin and end.
+#[derive(Clone, Copy, Debug)]
+pub struct ClockInputs {
+    /// Frames in which the estimator draws everything once, by turns.
+    pub turns: u32,
+    /// Whether the estimator's light is that of a fresh start.
+    pub is_settled: bool,
+    /// Frames that are averaged until the picture freezes; 0: none is.
+    pub still_frames: u32,
     /// Whether pixels are sampled at several positions.
     pub is_jittered: bool,
 }
 
-/// A frame of a static scene. A denoiser begins another history at the first, which depends on nothing before, and shows that in
-/// the end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StaticFrame {
-    /// Its number, from 0.
-    pub index: u32,
-    /// Whether that history is shown from now on.
-    pub shown: bool,
-}
-
-impl Cycle {
-    /// The length of the cycle, frames.
-    pub fn frames(&self) -> u64 {
-        u64::from(self.settling() + JITTERS)
-    }
-
-    /// Frames before those whose pictures are averaged.
-    fn settling(&self) -> u32 {
-        self.settled + if self.is_noisy { NOISE_FRAMES } else { 0 }
-    }
-}
-
-/// Counts frames, and those of a static scene.
+/// Counts frames, and those of a still scene.
 #[derive(Default)]
-pub struct ConvergenceClock {
+pub struct Clock {
     frame: u64,
     last: Option<Pose>,
-    /// The frame in which the cycle began.
+    /// The frame that first showed the last change.
+    changed: Option<u64>,
+    /// The first still frame.
     begun: Option<u64>,
 }
 
-/// The place of a frame in the cycle.
+/// The place of a frame in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameClock {
     /// Number of the frame.
     pub frame: u64,
-    /// The number of the frame in the cycle of a static scene; none while anything changes.
-    rest: Option<u32>,
-    cycle: Cycle,
+    /// Whether it shows something else than the frame before.
+    is_moving: bool,
+    /// Its number among the still frames, at most that of the last which is averaged; none while anything changes.
+    still: Option<u32>,
+    is_frozen: bool,
+    still_frames: u32,
+    turns: u32,
+    is_jittered: bool,
 }
 
-impl ConvergenceClock {
+impl Clock {
     /// Number of the next frame.
     pub fn frame(&self) -> u64 {
         self.frame
     }
 
-    /// Begins the cycle anew: something else than the pose has changed.
+    /// Something else than the pose changes in the next frame.
     pub fn disturb(&mut self) {
         self.last = None;
         self.begun = None;
+        self.changed = Some(self.frame);
     }
 
     /// The next frame, with everything standing as in `pose`.
-    pub fn next(&mut self, pose: &Pose, cycle: Cycle) -> FrameClock {
+    pub fn next(&mut self, pose: &Pose, inputs: &ClockInputs) -> FrameClock {
+        let ClockInputs { turns, is_settled, still_frames, is_jittered } = *inputs;
         let frame = self.frame;
         self.frame += 1;
         let moves = self.last.as_ref().is_some_and(|last| last != pose);
         if moves {
             self.begun = None;
+            self.changed = Some(frame);
         }
         if self.last.is_none() || moves {
             self.last = Some(pose.clone());
         }
-        if !moves && self.begun.is_none() && frame.is_multiple_of(u64::from(cycle.estimator)) {
+        // In the first frame after a change the estimator learns that it has ended.
+        let has_rested = self.changed.is_none_or(|changed| frame > changed + 1);
+        if self.begun.is_none() && has_rested && is_settled && frame.is_multiple_of(u64::from(turns)) {
             self.begun = Some(frame);
         }
-        let rest = self.begun.map(|begun| u32::try_from(frame - begun).unwrap_or(u32::MAX));
-        FrameClock { frame, rest, cycle }
+        let still = self.begun.filter(|_| still_frames > 0).map(|begun| frame - begun);
+        FrameClock {
+            frame,
+            is_moving: moves,
+            still: still.map(|still| still.min(u64::from(still_frames) - 1) as u32),
+            is_frozen: still.is_some_and(|still| still >= u64::from(still_frames)),
+            still_frames,
+            turns,
+            is_jittered,
+        }
     }
 }
 
 impl FrameClock {
-    /// The place among the frames whose pictures are averaged, 0 to 15.
+    /// The number of the frame among those that are averaged, from 0; none while anything changes, and once the picture is frozen.
     pub fn averaged(&self) -> Option<u32> {
-        let place = self.rest?.checked_sub(self.cycle.settling())?;
-        (place < JITTERS).then_some(place)
+        self.still.filter(|_| !self.is_frozen)
     }
 
-    /// Whether this is the last of the frames whose pictures are averaged.
-    pub fn is_last_averaged(&self) -> bool {
-        self.averaged() == Some(JITTERS - 1)
+    /// Whether anything has moved since the frame before.
+    pub fn is_moving(&self) -> bool {
+        self.is_moving
     }
 
-    /// Whether the cycle is over, and nothing random is sampled any more.
+    /// Frames whose mean the picture goes over to, with this one; 0 while anything changes.
+    pub fn still_frames(&self) -> u32 {
+        self.still.map_or(0, |still| still + 1)
+    }
+
+    /// Share of the frames to be averaged that the mean holds.
+    pub fn progress(&self) -> f32 {
+        self.still_frames() as f32 / self.still_frames.max(1) as f32
+    }
+
+    /// Whether the mean is complete, and the picture stays.
     pub fn is_frozen(&self) -> bool {
-        self.rest.is_some_and(|rest| rest >= self.cycle.settling() + JITTERS)
-    }
-
-    /// The frame's place in the static scene as denoisers count it; none while anything changes.
-    pub fn static_frame(&self) -> Option<StaticFrame> {
-        let rest = self.rest.filter(|_| self.cycle.is_noisy)?;
-        // What rays see of the estimator's light may be of the past before.
-        let index = rest.checked_sub(self.cycle.settled)?;
-        Some(StaticFrame { index, shown: index >= NOISE_FRAMES })
+        self.is_frozen
     }
 
     /// Number of the frame in the sequence of random numbers.
     pub fn noise_frame(&self) -> u32 {
-        self.rest.unwrap_or(self.frame as u32)
+        self.still.unwrap_or(self.frame as u32)
     }
 
-    /// From the middle of a pixel to where it is sampled, pixels. What stands still in the end is sampled in the middle.
+    /// The temporal set whose turn it is.
+    pub fn turn(&self) -> u32 {
+        (self.frame % u64::from(self.turns)) as u32
+    }
+
+    /// How often all temporal sets have had their turn.
+    pub fn cycle(&self) -> u32 {
+        self.noise_frame() / self.turns
+    }
+
+    /// Which pixel of 2 x 2 a texel of a set of half the resolution stands for, 0 to 3. In a still scene each four frames stand for all,
+    /// and each set in time for all.
+    pub fn quarter(&self) -> u32 {
+        let Some(still) = self.still else { return self.turn() % QUARTERS };
+        // The least number of frames after which a set meets the same pixel again.
+        let period = self.turns << (QUARTERS.trailing_zeros() - self.turns.trailing_zeros().min(2));
+        (still + still / period) % QUARTERS
+    }
+
+    /// From the middle of a pixel to where it is sampled, pixels.
     pub fn jitter(&self) -> Vec2 {
-        if !self.cycle.is_jittered || self.is_frozen() {
+        if !self.is_jittered {
             return Vec2::ZERO;
         }
-        jitter(self.rest.unwrap_or((self.frame % u64::from(JITTERS)) as u32) % JITTERS)
+        let Some(still) = self.still else { return jitter((self.frame % u64::from(JITTERS)) as u32) };
+        // Each pixel of 2 x 2 goes through all positions when its frames come, and so do each 16 frames.
+        let turn = still / QUARTERS;
+        jitter(turn / JITTERS * JITTERS + (turn + self.quarter() * JITTERS / QUARTERS) % JITTERS)
     }
 }
 
-/// One of 16 points of the pixel from -1/2 to 1/2, of which each sixteenth of its width and height has one, and each run of four is
-/// spread over it: the start of the Sobol sequence, scrambled so that the first lies next to the middle. Closer to the integral over
-/// the pixel than so many of the Halton sequence.
+/// A point of the pixel from -1/2 to 1/2: of the Sobol sequence, scrambled so that the first lies next to the middle. Of each run of
+/// 4, 16, 64 ... points all equal parts of the pixel have as many. Closer to the integral over the pixel than the Halton sequence.
 fn jitter(index: u32) -> Vec2 {
-    // Generator matrices of the first two dimensions, for four bits.
-    const X: [u32; 4] = [8, 4, 2, 1];
-    const Y: [u32; 4] = [8, 12, 10, 15];
-    let point = |matrix: [u32; 4]| {
-        let bits = (0..4).filter(|bit| index >> bit & 1 == 1).fold(8, |point, bit| point ^ matrix[bit]);
-        (bits as f32 + 0.5) / 16.0 - 0.5
-    };
-    Vec2::new(point(X), point(Y))
+    let [mut x, mut y] = [0x8888u16; 2];
+    // The generator matrices of the first two dimensions, column by column.
+    let [mut column_x, mut column_y] = [1 << 15; 2];
+    for bit in 0..16 {
+        if index >> bit & 1 == 1 {
+            (x, y) = (x ^ column_x, y ^ column_y);
+        }
+        (column_x, column_y) = (column_x >> 1, column_y ^ column_y >> 1);
+    }
+    Vec2::new(x.into(), y.into()) / 65536.0 - 0.5
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
     use crate::scene::Scene;
 
-    const CYCLE: Cycle = Cycle { estimator: 4, settled: 10, is_noisy: false, is_jittered: true };
+    const INPUTS: ClockInputs =
+        ClockInputs { turns: 4, is_settled: true, still_frames: 12, is_jittered: true };
 
     fn poses() -> [Pose; 2] {
         let pose = Scene::new("empty").pose(0.0);
@@ -165,48 +191,80 @@ mod tests {
     }
 
     #[test]
-    fn the_cycle_begins_with_the_first_set_and_ends() {
+    fn still_frames_begin_with_the_first_set_and_end() {
         let [pose, moved] = poses();
-        let mut clock = ConvergenceClock::default();
-        let fresh: Vec<FrameClock> = (0..30).map(|_| clock.next(&pose, CYCLE)).collect();
-        let mut clock = ConvergenceClock::default();
-        clock.next(&pose, CYCLE);
-        let moving = clock.next(&moved, CYCLE);
-        assert_eq!((moving.rest, moving.averaged()), (None, None));
-        // Frames 2 and 3 wait for the first set.
-        assert_eq!(clock.next(&moved, CYCLE).rest, None);
-        clock.next(&moved, CYCLE);
+        let mut clock = Clock::default();
+        let fresh: Vec<FrameClock> = (0..16).map(|_| clock.next(&pose, &INPUTS)).collect();
+        let mut clock = Clock::default();
+        clock.next(&pose, &INPUTS);
+        let moving = clock.next(&moved, &INPUTS);
+        assert_eq!((moving.averaged(), moving.still_frames()), (None, 0));
+        assert_eq!([(); 2].map(|()| clock.next(&moved, &INPUTS).averaged()), [None; 2], "not the first set");
+        let unsettled = ClockInputs { is_settled: false, ..INPUTS };
+        assert_eq!([(); 4].map(|()| clock.next(&moved, &unsettled).averaged()), [None; 4]);
         for expected in &fresh {
-            let found = clock.next(&moved, CYCLE);
-            assert_eq!(found.rest, expected.rest);
-            assert_eq!(found.jitter(), expected.jitter());
+            let found = clock.next(&moved, &INPUTS);
+            assert_eq!(found.averaged(), expected.averaged());
+            assert_eq!((found.jitter(), found.noise_frame()), (expected.jitter(), expected.noise_frame()));
+            assert_eq!((found.turn(), found.cycle()), (expected.turn(), expected.cycle()));
         }
         let averaged: Vec<u32> = fresh.iter().filter_map(FrameClock::averaged).collect();
-        assert_eq!(averaged, Vec::from_iter(0..16));
-        assert!(!fresh[25].is_frozen() && fresh[26].is_frozen());
+        assert_eq!(averaged, Vec::from_iter(0..12));
+        assert!(!fresh[11].is_frozen() && fresh[12].is_frozen() && fresh[11].progress() == 1.0);
+        let never = ClockInputs { still_frames: 0, ..INPUTS };
+        assert_eq!(Clock::default().next(&pose, &never).averaged(), None);
+    }
+
+    #[test]
+    fn a_change_is_over_in_its_second_frame() {
+        let [pose, moved] = poses();
+        let inputs = ClockInputs { turns: 1, ..INPUTS };
+        let mut clock = Clock::default();
+        clock.next(&pose, &inputs);
+        assert_eq!([(); 3].map(|()| clock.next(&moved, &inputs).averaged()), [None, None, Some(0)]);
+        clock.disturb();
+        assert_eq!([(); 3].map(|()| clock.next(&moved, &inputs).averaged()), [None, None, Some(0)]);
+    }
+
+    #[test]
+    fn every_pixel_meets_every_set_and_every_position() {
+        let [pose, _] = poses();
+        for turns in [1, 2, 3, 4, 6, 8, 16, 32, 64] {
+            let mut clock = Clock::default();
+            let inputs = ClockInputs { turns, still_frames: u32::MAX, ..INPUTS };
+            let mut met = HashSet::new();
+            for frames in 0..16 {
+                // 64 frames sample each pixel of 2 x 2 at 16 positions, one in each strip.
+                let mut strips = [(); 4].map(|()| [(); 2].map(|()| HashSet::new()));
+                for _ in 0..64 {
+                    let frame = clock.next(&pose, &inputs);
+                    met.insert((frame.turn(), frame.quarter()));
+                    for axis in 0..2 {
+                        let strip = ((frame.jitter()[axis] + 0.5) * 16.0) as u32;
+                        strips[frame.quarter() as usize][axis].insert(strip);
+                    }
+                }
+                let seen = strips.map(|axes| axes.map(|strips| strips.len()));
+                assert_eq!(seen, [[16; 2]; 4], "{turns} sets, from frame {}", frames * 64);
+            }
+            assert_eq!(met.len(), 4 * turns as usize, "{turns} sets");
+        }
     }
 
     #[test]
     fn jitter_covers_the_pixel_evenly() {
-        let [pose, _] = poses();
-        let mut clock = ConvergenceClock::default();
-        let cycle = Cycle { settled: 16, ..CYCLE };
-        let jitters: Vec<Vec2> = (0..16).map(|_| clock.next(&pose, cycle).jitter()).collect();
-        assert!(jitters[0].length() < 0.05, "{}", jitters[0]);
-        assert_eq!(jitters.iter().sum::<Vec2>(), Vec2::ZERO);
-        let mut strips = [Vec::new(), Vec::new()];
-        for jitter in &jitters {
-            (0..2).for_each(|axis| strips[axis].push(((jitter[axis] + 0.5) * 16.0) as u32));
-        }
-        for mut strip in strips {
-            strip.sort_unstable();
-            assert_eq!(strip, Vec::from_iter(0..16));
-        }
-        for run in jitters.chunks(4) {
-            let mut quarters: Vec<bool> =
-                run.iter().flat_map(|jitter| [jitter.x > 0.0, jitter.y > 0.0]).collect();
-            quarters.sort_unstable();
-            assert_eq!(quarters, [[false; 4], [true; 4]].concat(), "{run:?}");
+        let jitters: Vec<Vec2> = (0..256).map(jitter).collect();
+        assert!(jitters[0].length() < 0.1, "{}", jitters[0]);
+        for (runs, most) in [(4, 0.13), (16, 0.04), (64, 0.01), (256, 0.001)] {
+            for run in jitters.chunks(runs) {
+                let mean = run.iter().sum::<Vec2>() / runs as f32;
+                assert!(mean.abs().max_element() < most, "{mean}, the mean of {runs}");
+                for axis in 0..2 {
+                    let strips: HashSet<u32> =
+                        run.iter().map(|jitter| ((jitter[axis] + 0.5) * runs as f32) as u32).collect();
+                    assert_eq!(strips.len(), runs);
+                }
+            }
         }
     }
 }

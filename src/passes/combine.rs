@@ -37,7 +37,7 @@ pub struct CombineInputs<'a> {
 
 impl CombineInputs<'_> {
     /// Binds everything that shaders/include/radiance.glsl names.
-    fn bind_radiance<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+    pub(super) fn bind_radiance<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
         // Without thin surfaces images of the same formats are bound, and not read.
         let [light, albedo, transmittance] = match self.thin_surfaces {
             Some(thin_surfaces) => {
@@ -49,7 +49,6 @@ impl CombineInputs<'_> {
         pass.read("frame_uniforms", self.frame)
             .read("reflection", reflection)
             .read("direct", self.direct)
-            .read("irradiance", self.irradiance)
             .read("gbuffer_albedo", self.albedo)
             .read("specular_albedo", self.specular_albedo)
             .read("thin_light", light)
@@ -110,7 +109,7 @@ impl CombinePass {
         &self.factor
     }
 
-    /// The picture of the last frame as radiance, RGBA16F; a: 1 where a surface is.
+    /// The picture of the last frame as radiance before edges are smoothed, or of a still scene; RGBA16F; a: 1 where a surface is.
     pub fn radiance(&self) -> &Image {
         &self.radiance
     }
@@ -118,7 +117,11 @@ impl CombinePass {
     /// Joins the light.
     pub fn record(&self, frame: &mut Frame<'_>, inputs: &CombineInputs<'_>) -> Result<(), VulkanError> {
         let pass = frame.pass("radiance", &self.combine);
-        inputs.bind_radiance(pass).write("radiance", &self.radiance).dispatch_over(self.radiance.extent())
+        inputs
+            .bind_radiance(pass)
+            .read("irradiance", inputs.irradiance)
+            .write("radiance", &self.radiance)
+            .dispatch_over(self.radiance.extent())
     }
 
     /// Shows a picture that is given as radiance. `exposure`: stops, or none for automatic exposure.

@@ -3,11 +3,8 @@
 
 use std::sync::Arc;
 
-use glam::Vec4;
-
 use super::frame_inputs::FrameInputs;
 use super::{storage_image, storage_image_array};
-use crate::gpu_scene::skip::{LastInputs, Version};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// What arrives of the lights at each pixel.
@@ -16,17 +13,23 @@ pub enum Shadows<'a> {
     /// Of each light by itself: see `DirectShadowsPass::record`.
     Hard(&'a Image),
     /// Of all, over what would without shadows; RGBA16F.
-    Soft(&'a Image),
+    Soft {
+        /// What is shown.
+        denoised: &'a Image,
+        /// By the rays of the frame alone.
+        sampled: &'a Image,
+    },
 }
 
 /// The pass.
 pub struct DirectShadingPass {
     pipeline: ComputePipeline,
     direct: Image,
+    /// Radiance with shadows as sampled; only where they are noisy.
+    raw: Option<Image>,
     specular_albedo: Image,
     /// Bound where there are no hard shadows.
     no_mask: Image,
-    last: LastInputs<([Version; 3], Vec4)>,
 }
 
 impl DirectShadingPass {
@@ -39,11 +42,11 @@ impl DirectShadingPass {
     ) -> Result<Self, VulkanError> {
         let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [thin_surfaces, soft].map(u32::from));
         let pipeline = ComputePipeline::specialised(device, "direct_shading", shader, &constants)?;
-        let direct = storage_image(device, "direct", vk::Format::R16G16B16A16_SFLOAT, extent)?;
-        let specular_albedo =
-            storage_image(device, "specular_albedo", vk::Format::R16G16B16A16_SFLOAT, extent)?;
+        let image = |name| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
+        let (direct, specular_albedo) = (image("direct")?, image("specular_albedo")?);
+        let raw = soft.then(|| image("raw direct")).transpose()?;
         let no_mask = storage_image_array(device, "no shadow mask", vk::Format::R32_UINT, [1, 1], 1)?;
-        Ok(Self { pipeline, direct, specular_albedo, no_mask, last: LastInputs::default() })
+        Ok(Self { pipeline, direct, specular_albedo, no_mask, raw })
     }
 
     /// Radiance of the last frame; a: 1 where a surface is.
@@ -61,22 +64,38 @@ impl DirectShadingPass {
         &self.specular_albedo
     }
 
-    /// Shades every pixel. `version` tells one content of `shadows` from the next; `background` is that of the frame uniforms.
+    /// Radiance of the last still frame before any denoiser.
+    pub fn raw(&self) -> &Image {
+        self.raw.as_ref().unwrap_or(&self.direct)
+    }
+
+    /// Shades every pixel; soft shadows in a still frame also as they were sampled.
     pub fn record(
-        &mut self,
+        &self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
-        (shadows, version): (Shadows<'_>, Version),
-        background: Vec4,
+        shadows: Shadows<'_>,
+    ) -> Result<(), VulkanError> {
+        if let (Shadows::Soft { sampled, .. }, Some(raw)) = (shadows, &self.raw)
+            && inputs.clock.averaged().is_some()
+        {
+            self.shade(frame, inputs, Shadows::Soft { denoised: sampled, sampled }, raw)?;
+        }
+        self.shade(frame, inputs, shadows, &self.direct)
+    }
+
+    fn shade(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        shadows: Shadows<'_>,
+        direct: &Image,
     ) -> Result<(), VulkanError> {
         let gbuffer = inputs.gbuffer;
-        if !self.last.differ(([gbuffer.version(), version, inputs.versions.lights], background)) {
-            return Ok(());
-        }
         // What the other kind of shadow would read is bound, and not read.
         let (mask, shadow) = match shadows {
             Shadows::Hard(mask) => (mask, &gbuffer.albedo),
-            Shadows::Soft(shadow) => (&self.no_mask, shadow),
+            Shadows::Soft { denoised, .. } => (&self.no_mask, denoised),
         };
         inputs
             .bind(frame.pass("direct_shading", &self.pipeline))
@@ -85,7 +104,7 @@ impl DirectShadingPass {
             .read("gbuffer_surface", &gbuffer.surface)
             .read("direct_shadows", mask)
             .read("shadow", shadow)
-            .write("direct", &self.direct)
+            .write("direct", direct)
             .write("specular_albedo", &self.specular_albedo)
             .dispatch_over(self.direct.extent())
     }

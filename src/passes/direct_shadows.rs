@@ -7,8 +7,6 @@ use std::sync::Arc;
 
 use super::frame_inputs::FrameInputs;
 use super::storage_image_array;
-use crate::gpu_scene::SceneVersions;
-use crate::gpu_scene::skip::{LastInputs, Version};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
@@ -23,7 +21,6 @@ pub struct DirectShadowsPass {
     pipeline: ComputePipeline,
     /// Bit i of layer l: whether the pixel sees light 32 l + i; with thin surfaces, layer i: what arrives of light i, packed.
     visibility: Image,
-    last: LastInputs<[Version; 3]>,
     device: Arc<Device>,
 }
 
@@ -31,23 +28,12 @@ impl DirectShadowsPass {
     /// Makes the pipeline for a tracer, and the image of `extent` texels.
     pub fn new(device: &Arc<Device>, tracer: TracerVariant, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let pipeline = tracer.pipeline(device, "direct_shadows", shaders::DIRECT_SHADOWS_COMP, &[])?;
-        Ok(Self {
-            tracer,
-            pipeline,
-            visibility: visibility(device, extent, 1)?,
-            last: LastInputs::default(),
-            device: Arc::clone(device),
-        })
+        Ok(Self { tracer, pipeline, visibility: visibility(device, extent, 1)?, device: Arc::clone(device) })
     }
 
     /// What the last frame wrote.
     pub fn output(&self) -> &Image {
         &self.visibility
-    }
-
-    /// Tells one output from the next.
-    pub fn version(&self) -> Version {
-        self.last.version()
     }
 
     /// Casts the rays.
@@ -58,8 +44,7 @@ impl DirectShadowsPass {
         light_count: u32,
     ) -> Result<&Image, VulkanError> {
         self.make_room(light_count)?;
-        let SceneVersions { instances, lights, .. } = inputs.versions;
-        if self.last.differ([inputs.gbuffer.version(), instances, lights]) && light_count > 0 {
+        if light_count > 0 {
             inputs
                 .bind(frame.pass("direct_shadows", &self.pipeline))
                 .write("direct_shadows", &self.visibility)

@@ -3,7 +3,6 @@
 use super::clock::FrameClock;
 use super::gbuffer::GBuffer;
 use super::reprojection::Reprojection;
-use crate::gpu_scene::SceneVersions;
 use crate::scene::Pose;
 use crate::vulkan::{Pass, SharedSet, Upload};
 
@@ -13,13 +12,11 @@ pub struct FrameInputs<'a> {
     pub uniforms: &'a Upload,
     /// Set 1: the scene.
     pub scene: &'a SharedSet<'a>,
-    /// Tells what of the scene has changed.
-    pub versions: SceneVersions,
     /// The visible surfaces.
     pub gbuffer: &'a GBuffer,
     /// The surfaces of this and the last frame, and where each was then; of one texel where nothing follows surfaces.
     pub reprojection: &'a Reprojection,
-    /// The frame's number, and its place in the cycle of a static scene.
+    /// The frame's number, and its place among the still frames.
     pub clock: FrameClock,
     /// Where everything stands, with the camera where it samples the pixels.
     pub pose: &'a Pose,

@@ -6,11 +6,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-use crate::gpu_scene::SceneVersions;
 use crate::gpu_scene::clusters::visible;
 use crate::gpu_scene::geometry::Vertex;
 use crate::gpu_scene::scene_buffers::SceneBuffers;
-use crate::gpu_scene::skip::{LastInputs, Version};
 use crate::gpu_scene::structs::InstanceData;
 use crate::scene::Pose;
 use crate::vulkan::{
@@ -52,9 +50,6 @@ pub struct GBuffer {
     pub motion: Image,
     /// What raster compares by.
     nearest: Image,
-    /// [`GBufferInputs::view_projection`], and the same without jitter now and one frame ago; the instances and materials that the
-    /// images show.
-    last: LastInputs<(Mat4, [Mat4; 2], [Version; 2])>,
 }
 
 impl GBuffer {
@@ -76,13 +71,7 @@ impl GBuffer {
                 vk::Format::D32_SFLOAT,
                 vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
             )?,
-            last: LastInputs::default(),
         })
-    }
-
-    /// Of all images.
-    pub fn version(&self) -> Version {
-        self.last.version()
     }
 }
 
@@ -94,8 +83,6 @@ pub struct GBufferInputs<'a> {
     pub scene: &'a SharedSet<'a>,
     /// What of the scene raster draws.
     pub buffers: &'a SceneBuffers,
-    /// Tells what of the scene has changed.
-    pub versions: SceneVersions,
     /// Where everything stands.
     pub pose: &'a Pose,
     /// World to clip space, as in the frame uniforms.
@@ -158,21 +145,8 @@ impl GBufferPass {
     }
 
     /// Draws the scene.
-    pub fn record(
-        &mut self,
-        frame: &mut Frame<'_>,
-        inputs: &GBufferInputs<'_>,
-    ) -> Result<&GBuffer, VulkanError> {
-        let versions = [inputs.versions.instances, inputs.versions.materials];
-        let key = (inputs.view_projection, inputs.unjittered, versions);
-        if self.targets.last.differ(key) {
-            self.draw(frame, inputs)?;
-        }
-        Ok(&self.targets)
-    }
-
-    fn draw(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<(), VulkanError> {
-        let GBuffer { depth, normal, albedo, instance, surface, motion, nearest, .. } = &self.targets;
+    pub fn record(&self, frame: &mut Frame<'_>, inputs: &GBufferInputs<'_>) -> Result<&GBuffer, VulkanError> {
+        let GBuffer { depth, normal, albedo, instance, surface, motion, nearest } = &self.targets;
         let buffers = inputs.buffers;
         let [now, then] = inputs.unjittered;
         let draws = visible(&buffers.draws, inputs.pose, &inputs.view_projection);
@@ -206,6 +180,7 @@ impl GBufferPass {
                 let push = Push { instance: draw.instance, material: draw.material, flags };
                 list.draw(&push, draw.first, draw.count);
             }
-        })
+        })?;
+        Ok(&self.targets)
     }
 }

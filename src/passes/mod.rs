@@ -15,6 +15,7 @@ pub mod gbuffer;
 pub mod history;
 pub mod overlay;
 pub mod reprojection;
+pub mod still;
 pub mod taa;
 pub mod thin_surfaces;
 

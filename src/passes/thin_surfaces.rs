@@ -10,8 +10,6 @@ use glam::Vec3;
 
 use super::frame_inputs::FrameInputs;
 use super::storage_image;
-use crate::gpu_scene::SceneVersions;
-use crate::gpu_scene::skip::{LastInputs, Version};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
@@ -50,7 +48,6 @@ struct ThinSurfacesPush {
 pub struct ThinSurfacesPass {
     pipeline: ComputePipeline,
     images: ThinSurfaceImages,
-    last: LastInputs<(Version, SceneVersions, Vec3)>,
 }
 
 impl ThinSurfacesPass {
@@ -59,7 +56,6 @@ impl ThinSurfacesPass {
         Ok(Self {
             pipeline: tracer.pipeline(device, "thin_surfaces", shaders::THIN_SURFACES_COMP, &[])?,
             images: ThinSurfaceImages::new(device, extent)?,
-            last: LastInputs::default(),
         })
     }
 
@@ -70,14 +66,11 @@ impl ThinSurfacesPass {
 
     /// Shades the thin surfaces that each pixel sees. `ambient`: irradiance of those with nothing behind them, W/m^2.
     pub fn record(
-        &mut self,
+        &self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
         ambient: Vec3,
     ) -> Result<(), VulkanError> {
-        if !self.last.differ((inputs.gbuffer.version(), inputs.versions, ambient)) {
-            return Ok(());
-        }
         let ThinSurfaceImages { light, albedo, transmittance } = &self.images;
         let (extent, camera) = (light.extent(), &inputs.pose.camera);
         let spread = 2.0 * (camera.vertical_fov * 0.5).tan() / extent[1] as f32;

@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 use crate::effects::soft_shadows::SoftShadows;
 use crate::estimators;
@@ -36,8 +36,6 @@ pub(super) enum ShadowPasses {
 pub(super) struct DirectInputs {
     /// How many point, spot and directional lights there are.
     pub light_count: u32,
-    /// Radiance where no surface is, as in the frame uniforms.
-    pub background: Vec4,
     /// Irradiance of thin surfaces with nothing behind them.
     pub ambient: Vec3,
 }
@@ -79,15 +77,15 @@ impl DirectPasses {
         let shadows = match &mut self.shadows {
             ShadowPasses::Hard(pass) => {
                 pass.record(frame, inputs, direct_inputs.light_count)?;
-                (Shadows::Hard(pass.output()), pass.version())
+                Shadows::Hard(pass.output())
             }
             ShadowPasses::Soft(effect) => {
                 effect.record(frame, inputs)?;
-                (Shadows::Soft(effect.output()), effect.version())
+                Shadows::Soft { denoised: effect.output(), sampled: effect.noisy() }
             }
         };
-        self.shading.record(frame, inputs, shadows, direct_inputs.background)?;
-        match &mut self.thin_surfaces {
+        self.shading.record(frame, inputs, shadows)?;
+        match &self.thin_surfaces {
             Some(thin_surfaces) => thin_surfaces.record(frame, inputs, direct_inputs.ambient),
             None => Ok(()),
         }

@@ -30,7 +30,16 @@ impl Renderer {
         // Make what the change replaces.
         let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
         let made_of = |of: &Settings| {
-            (of.indirect, of.size, of.antialiasing, of.direct, of.reflections, of.effects, of.svgf)
+            (
+                of.indirect,
+                of.size,
+                of.antialiasing,
+                of.direct,
+                of.reflections,
+                of.effects,
+                of.svgf,
+                of.still_frames > 0,
+            )
         };
         let remade = || self.passes.remade(&device, variant, &self.scene, settings);
         let passes =
@@ -66,7 +75,11 @@ impl Renderer {
         if let Some(tracer) = tracer {
             self.gpu_scene.set_tracer(tracer);
         }
-        self.clock.disturb();
+        let light = |of: &Settings| Settings { exposure: None, target_fps: 0, time_step: 0.0, ..of.clone() };
+        if light(settings) != light(&self.settings) {
+            self.clock.disturb();
+        }
+        self.redraws = true;
         self.settings.clone_from(settings);
         Ok(())
     }
@@ -129,7 +142,7 @@ impl Renderer {
     }
 
     /// In the next frame, automatic exposure adapts by this fraction, above 0 to 1, of its distance in stops; without a call, by
-    /// all of it. The first frame and a converged picture do not depend on it.
+    /// all of it. The first frame and a frozen picture do not depend on it.
     pub fn set_exposure_pace(&mut self, pace: f32) {
         self.passes.combine.pace.set(pace);
     }

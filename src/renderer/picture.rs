@@ -70,9 +70,8 @@ impl Renderer {
     pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
         let [width, height] = self.settings.size.map(|side| side as usize);
         let colour = match &self.passes.taa {
-            Some(taa) if !taa.is_averaged() => self.read_halves(taa.output(), 4)?,
-            Some(taa) => self.read_floats(taa.output())?,
-            None => self.read_halves(self.passes.combine.radiance(), 4)?,
+            Some(taa) if self.still == 0 => self.read_halves(taa.output(), 4)?,
+            _ => self.read_halves(self.passes.combine.radiance(), 4)?,
         };
         let mut picture = Picture {
             width,
@@ -219,10 +218,6 @@ impl Renderer {
         let at = (pixel + 0.5) * (2.0 / size) - 1.0;
         let ray = uniforms.ray + at.x * uniforms.ray_x + at.y * uniforms.ray_y;
         (uniforms.eye + depth * ray + self.anchor.extend(0.0)).to_array()
-    }
-
-    fn read_floats(&self, image: &Image) -> Result<Vec<[f32; 4]>, RenderError> {
-        Ok(bytemuck::pod_collect_to_vec(&image.read_layer(&self.device, 0, 16)?))
     }
 
     fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {

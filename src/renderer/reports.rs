@@ -10,6 +10,8 @@ use crate::vulkan::FrameTimes;
 /// A frame in flight.
 pub(super) struct Pending {
     pub frame: u64,
+    /// Of [`FrameReport::still`].
+    pub still: u32,
     pub method: &'static Method,
     pub cpu_ms: Vec<f64>,
     pub counters: Counters,
@@ -46,7 +48,7 @@ pub(super) fn report(
     estimator: &dyn Estimator,
     times: &FrameTimes,
 ) -> Option<FrameReport> {
-    let Pending { frame, method, cpu_ms, mut counters } = pending.pop_front()?;
+    let Pending { frame, still, method, cpu_ms, mut counters } = pending.pop_front()?;
     let mut passes: PassTimes = frame_passes(method).map(|pass| (pass.name, 0.0)).collect();
     passes.values_mut().zip(cpu_ms).for_each(|(pass, ms)| *pass = ms);
     // Passes of views are not part of the frame.
@@ -61,5 +63,5 @@ pub(super) fn report(
     estimator.add_device_counters(&mut counters, &times.readback);
     let whole = frame_passes(method).filter(|pass| pass.stage.is_none());
     let total_ms = whole.map(|pass| passes[pass.name]).sum();
-    Some(FrameReport { frame, figures: FrameFigures { total_ms, passes, counters } })
+    Some(FrameReport { frame, still, figures: FrameFigures { total_ms, passes, counters } })
 }

@@ -12,6 +12,7 @@ use crate::passes::combine::CombinePass;
 use crate::passes::effect_view::Visualization;
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::reprojection::ReprojectionPass;
+use crate::passes::still::StillPass;
 use crate::passes::taa::TaaPass;
 use crate::scene::Scene;
 use crate::settings::{Antialiasing, Direct, Settings};
@@ -29,6 +30,8 @@ pub(super) struct SharedPasses {
     pub combine: CombinePass,
     /// Only with `--antialiasing taa`.
     pub taa: Option<TaaPass>,
+    /// Only where still frames are averaged.
+    pub still: Option<StillPass>,
 }
 
 impl SharedPasses {
@@ -63,6 +66,7 @@ impl SharedPasses {
         let size = settings.size;
         let reflections = traces_reflections(scene, settings);
         let taa = settings.antialiasing == Antialiasing::Taa;
+        let averages = settings.still_frames > 0;
         let is_noisy = estimators::method(settings).noise == SignalNoise::Unknown;
         let follows_surfaces = reflections || is_noisy || settings.direct == Direct::Soft;
         Ok(Self {
@@ -73,13 +77,8 @@ impl SharedPasses {
             reflections: reflections.then(|| Reflections::new(device, tracer, settings)).transpose()?,
             combine: CombinePass::new(device, tracer.thin_surfaces, size)?,
             taa: taa.then(|| TaaPass::new(device, size)).transpose()?,
+            still: averages.then(|| StillPass::new(device, tracer.thin_surfaces, size)).transpose()?,
         })
-    }
-
-    /// Whether a denoiser accumulates frames of a static scene.
-    pub fn accumulates(&self) -> bool {
-        let reflections = self.reflections.as_ref().is_some_and(Reflections::accumulates);
-        reflections || matches!(&self.direct.shadows, ShadowPasses::Soft(effect) if effect.accumulates())
     }
 }
 

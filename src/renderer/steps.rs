@@ -6,6 +6,7 @@ use crate::effects::reflections::Reflections;
 use crate::estimators::{Estimator, Hits};
 use crate::passes::combine::{CombineInputs, CombinePass};
 use crate::passes::frame_inputs::FrameInputs;
+use crate::passes::still::{SampledIrradiance, StillInputs, StillPass};
 use crate::passes::taa::TaaPass;
 use crate::vulkan::{Frame, Image};
 
@@ -29,28 +30,27 @@ pub(super) fn irradiance<'a>(estimator: &'a dyn Estimator, denoiser: &'a dyn Den
     estimator.resolved().unwrap_or_else(|| denoiser.output(estimator.signal().noisy))
 }
 
-/// Traces reflection rays, has the estimator light what they hit off the screen, and denoises. A frozen picture stays as it is.
+/// Traces reflection rays, has the estimator light what they hit off the screen, and denoises. Irradiance on the screen is of the past,
+/// so in a still frame an estimator that can lights all hits.
 pub(super) fn record_reflections(
     frame: &mut Frame<'_>,
     reflections: &mut Reflections,
-    estimator: &mut dyn Estimator,
+    (estimator, lights_hits): (&mut dyn Estimator, bool),
     denoiser: &dyn Denoiser,
     inputs: &FrameInputs<'_>,
 ) -> Result<(), RenderError> {
-    if inputs.clock.is_frozen() {
-        return Ok(());
-    }
-    reflections.trace(frame, inputs, irradiance(estimator, denoiser))?;
+    let sees_screen = inputs.clock.averaged().is_none() || !lights_hits;
+    reflections.trace(frame, inputs, (irradiance(estimator, denoiser), sees_screen))?;
     let [place, weight] = reflections.hits();
     estimator.light_hits(frame, inputs, &Hits { place, weight, reflection: reflections.noisy() })?;
     Ok(reflections.denoise(frame, inputs)?)
 }
 
-/// Joins all light, smooths edges, and tone maps.
+/// Joins all light, smooths edges, lets what is still become the truth, and tone maps. `raw`: light as sampled.
 pub(super) fn post_process<'a>(
     frame: &mut Frame<'_>,
-    (combine, mut taa): (&'a CombinePass, Option<&mut TaaPass>),
-    joined: &CombineInputs<'_>,
+    (combine, mut taa, still): (&'a CombinePass, Option<&mut TaaPass>, Option<&mut StillPass>),
+    (joined, raw, irradiance): (&CombineInputs<'_>, &CombineInputs<'_>, SampledIrradiance<'_>),
     inputs: &FrameInputs<'_>,
     exposure: Option<f32>,
 ) -> Result<&'a Image, RenderError> {
@@ -58,7 +58,22 @@ pub(super) fn post_process<'a>(
     if let Some(taa) = taa.as_deref_mut() {
         taa.record(frame, inputs, combine.radiance())?;
     }
-    let picture = taa.map_or(combine.radiance(), |taa| taa.output());
+    let antialiased = taa.map(|taa| taa.output());
+    let mut picture = antialiased.unwrap_or(combine.radiance());
+    if let Some(still) = still.filter(|_| inputs.clock.still_frames() > 0) {
+        let exposure = combine.exposure();
+        still.record(
+            frame,
+            inputs,
+            &StillInputs { raw, irradiance, antialiased, exposure },
+            combine.radiance(),
+        )?;
+        picture = combine.radiance();
+    }
+    if inputs.clock.progress() >= 1.0 {
+        // What is frozen has the exposure that it asks for.
+        combine.pace.set(1.0);
+    }
     Ok(combine.tone_map(frame, inputs.uniforms, picture, exposure)?)
 }
 

@@ -6,7 +6,7 @@ use super::Renderer;
 use crate::effects::reflections::Reflections;
 use crate::estimators::World;
 use crate::gpu_scene::structs::FrameUniforms;
-use crate::passes::clock::{Cycle, FrameClock};
+use crate::passes::clock::{ClockInputs, FrameClock};
 use crate::scene::{Camera, Pose};
 use crate::settings::{Antialiasing, Direct};
 
@@ -20,19 +20,14 @@ pub(super) struct FrameSetup {
 }
 
 impl Renderer {
-    /// Frames from the first one until the picture of a static scene has converged and is frozen.
-    pub fn frames_to_convergence(&self) -> u64 {
-        // A cycle begins with a round of the estimator.
-        u64::from(self.cycle().estimator) + self.cycle().frames() + 1
-    }
-
-    /// The stages of a static scene until its picture has converged.
-    pub(super) fn cycle(&self) -> Cycle {
-        Cycle {
-            estimator: self.estimator.cycle(),
-            settled: self.estimator.settles_in(),
-            is_noisy: self.passes.accumulates() || self.indirect_denoiser.accumulates(),
-            is_jittered: self.settings.antialiasing == Antialiasing::Taa,
+    /// What decides when still frames begin and end. A view shows the frame as it is.
+    pub(super) fn clock_inputs(&self) -> ClockInputs {
+        let is_picture = self.view.is_picture();
+        ClockInputs {
+            turns: self.estimator.turns(),
+            is_settled: self.estimator.is_settled(),
+            still_frames: if is_picture { self.settings.still_frames } else { 0 },
+            is_jittered: is_picture && self.settings.antialiasing == Antialiasing::Taa,
         }
     }
 

@@ -101,6 +101,10 @@ impl Renderer {
                 self.views.overlay = Some(OverlayPass::new(&self.device)?);
             }
         }
+        if view.is_picture() != self.view.is_picture() {
+            self.clock.disturb();
+        }
+        self.redraws |= *view != self.view;
         self.view.clone_from(view);
         Ok(())
     }

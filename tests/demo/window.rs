@@ -31,7 +31,7 @@ pub const WELCOMED: &str = "welcomed";
 /// Frames after which one is on screen: Mesa's swapchains have at most five images here, and one more frame sees to it that
 /// the server has drawn what it was sent.
 const ON_SCREEN: u64 = 6;
-/// Frames after which light no longer changes.
+/// Frames after which light no longer changes, and what stands still is frozen.
 const SETTLED: u64 = 24;
 /// Time in which 4 stops of automatic exposure shrink to less than its last step, .02 stops: seven time constants.
 const ADAPTED: Duration = Duration::from_millis(1100);
@@ -65,7 +65,8 @@ impl<'d> Demo<'d> {
         let said = folder.path().join("stderr.txt");
         let child = server
             .command(env!("CARGO_BIN_EXE_glowworm"))
-            .args(["demo", "-vv", "--json", "log.json"])
+            // Pictures that stand still are to freeze soon.
+            .args(["demo", "-vv", "--json", "log.json", "--still-frames", "8"])
             .args(arguments)
             .current_dir(folder.path())
             .env_remove("RUST_LOG")

@@ -11,7 +11,6 @@ mod gpu;
 mod reach;
 mod reprojection;
 mod stages;
-mod static_scene;
 mod support;
 mod svgf;
 mod twin;

@@ -10,7 +10,6 @@ use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
 use glowworm::denoise::svgf::Svgf;
 use glowworm::denoise::{Denoiser, DenoiserInputs, Use};
 use glowworm::gpu_scene::structs::FrameUniforms;
-use glowworm::passes::clock::StaticFrame;
 use glowworm::settings::SvgfSettings;
 use glowworm::vulkan::{ComputePipeline, Device, Frames, Image, ImageDescription, shaders, vk};
 
@@ -167,13 +166,8 @@ impl Bench {
         }
     }
 
-    /// Denoises one frame of a scene that changes.
-    pub fn denoise(&mut self, pixels: &[Pixel]) {
-        self.denoise_at(pixels, None);
-    }
-
     /// Denoises one frame.
-    pub fn denoise_at(&mut self, pixels: &[Pixel], static_frame: Option<StaticFrame>) {
+    pub fn denoise(&mut self, pixels: &[Pixel]) {
         let (mut frame, _) = self.frames.begin().unwrap();
         let uniforms = frame.upload(&[FrameUniforms { size: self.extent, ..uniforms() }]).unwrap();
         let uploaded = frame.upload(pixels).unwrap();
@@ -196,7 +190,6 @@ impl Bench {
             normal: &self.normal,
             surface: &self.surface,
             reprojected: &self.reprojected,
-            static_frame,
         };
         self.svgf.record(&mut frame, &inputs).unwrap();
         frame.submit().unwrap();

@@ -118,5 +118,5 @@ pub const PASS_NAMES: [&str; 36] = [
     "exposure",
     "tone_map",
     "taa",
-    "taa_average",
+    "still",
 ];

@@ -13,7 +13,7 @@ use glowworm::passes::buffer_view::View;
 use glowworm::passes::frame_inputs::FrameInputs;
 use glowworm::renderer::Renderer;
 use glowworm::report::{Counters, PassInfo};
-use glowworm::settings::{Indirect, Reflections, Settings};
+use glowworm::settings::{Indirect, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{ComputePipeline, Device, Frame, Image, ImageDescription, VulkanError, shaders, vk};
 
 use super::support::{GpuFixture, indirect, layer, luminance, mean, scene};
@@ -25,6 +25,10 @@ const AMBIENT: f32 = 0.75;
 struct Ambient {
     pipeline: ComputePipeline,
     irradiance: Image,
+    /// Number of the next frame.
+    frame: u32,
+    /// Whether every third frame is not a number.
+    breaks: bool,
 }
 
 const METHOD: Method = Method {
@@ -35,10 +39,15 @@ const METHOD: Method = Method {
     ..Method::new(Indirect::new("ambient", "The same irradiance everywhere"), "ambient light", Ambient::make)
 };
 
+const BROKEN: Method =
+    Method { indirect: Indirect::new("broken", "The same, but for frames that are not a number"), ..METHOD };
+
 impl Ambient {
     fn make(context: &EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError> {
         let pipeline = ComputePipeline::new(context.device, "ambient", shaders::AMBIENT_COMP)?;
-        Ok(Box::new(Self { pipeline, irradiance: image(context.device, context.settings.size)? }))
+        let irradiance = image(context.device, context.settings.size)?;
+        let breaks = context.settings.indirect == BROKEN.indirect;
+        Ok(Box::new(Self { pipeline, irradiance, frame: 0, breaks }))
     }
 }
 
@@ -48,12 +57,14 @@ impl Estimator for Ambient {
     }
 
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
+        let is_broken = self.breaks && self.frame % 3 == 1;
+        self.frame += 1;
         frame
             .pass("ambient", &self.pipeline)
             .read("frame_uniforms", inputs.uniforms)
             .read("gbuffer_depth", &inputs.gbuffer.depth)
             .write("irradiance", &self.irradiance)
-            .push(&AMBIENT)
+            .push(&if is_broken { f32::NAN } else { AMBIENT })
             .dispatch_over(self.irradiance.extent())
     }
 
@@ -82,7 +93,22 @@ fn of_methods<'a>(names: &[&'a str]) -> Vec<&'a str> {
 /// Registers the toy, once a program.
 fn register() {
     static ONCE: Once = Once::new();
-    ONCE.call_once(|| estimators::register(METHOD));
+    ONCE.call_once(|| [METHOD, BROKEN].into_iter().for_each(estimators::register));
+}
+
+#[test]
+fn what_is_not_a_number_stays_out_of_the_mean() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    register();
+    let scene = scene(STUDIO);
+    let still_frames = 32;
+    let [sound, broken] = [METHOD, BROKEN].map(|method| {
+        let settings = Settings { indirect: method.indirect, still_frames, ..settings(1, 1) };
+        gpu.rendered(&scene, &settings, still_frames).read_picture(false).unwrap().colour
+    });
+    for (sound, broken) in sound.iter().flatten().zip(broken.iter().flatten()) {
+        assert!((sound - broken).abs() <= 1e-3 * sound, "{broken}, not {sound}");
+    }
 }
 
 #[test]
@@ -101,7 +127,7 @@ fn a_toy_estimator_is_shown_timed_counted_and_resized() {
         let figures = &reports[0].figures;
         let names: Vec<&str> = figures.passes.keys().copied().collect();
         assert_eq!(of_methods(&names), ["bvh_update", "ambient"]);
-        assert!(names.contains(&"gbuffer") && names.ends_with(&["taa", "taa_average"]), "{names:?}");
+        assert!(names.contains(&"gbuffer") && names.ends_with(&["taa", "still"]), "{names:?}");
         assert!(figures.passes["ambient"] > 0.0 && figures.counters.get("ambient.lamps") == 1);
     }
 }
@@ -176,7 +202,9 @@ fn who_uses_a_method_that_cannot_light_hits_is_told() {
 fn without_an_estimator_there_is_direct_light_only() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
-    let vpls = settings(2, 2);
+    // Every VPL is gathered: nothing is random.
+    let all = settings(2, 1);
+    let vpls = Settings { vpl: VplSettings { clamp: 0.0, ..all.vpl }, ..all };
     let none = Settings { indirect: Indirect::NONE, ..vpls.clone() };
     let pose = scene.pose(0.0);
     let mut renderer = gpu.rendered(&scene, &none, 2);

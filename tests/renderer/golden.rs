@@ -20,7 +20,7 @@ fn the_cornell_box_looks_as_it_did() {
         vpl: VplSettings { slots: 256, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
         ..plain()
     };
-    let picture = gpu.rendered(&named_scene("cornell-box", None), &settings, 8).read_picture(false).unwrap();
+    let picture = gpu.rendered(&named_scene("cornell-box", None), &settings, 4).read_picture(false).unwrap();
     let actual = picture.display.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
     compare("cornell-box", &RgbImage::from_raw(SIDE, SIDE, actual).unwrap());
 }

@@ -10,12 +10,14 @@ use glowworm::scene::{Environment, EnvironmentMap, LightKind, Material, Scene};
 use glowworm::settings::{Sequence, Settings, TracerKind, VplSettings};
 
 use super::materials::floor;
+use super::still::frozen;
 use super::support::{GpuFixture, assets, indirect, layer, luminance, mean, named_scene, plain, scene};
 use super::views::STUDIO;
 
 fn start() -> Settings {
     Settings {
         size: [72, 48],
+        still_frames: 16,
         vpl: VplSettings { slots: 128, temporal_sets: 4, interleave: 2, ..VplSettings::default() },
         ..plain()
     }
@@ -23,9 +25,10 @@ fn start() -> Settings {
 
 type Change = fn(&mut Settings);
 
-/// What a renderer made with these settings shows once all sets have been drawn.
+/// The frozen picture of a renderer made with these settings.
 fn fresh(gpu: &GpuFixture, scene: &Arc<Scene>, settings: &Settings) -> Picture {
-    gpu.rendered(scene, settings, 2 * settings.vpl.temporal_sets).read_picture(true).unwrap()
+    let pose = scene.pose(0.0);
+    frozen(&mut gpu.renderer(scene, settings, &pose), &pose)
 }
 
 fn brightness(renderer: &Renderer) -> f32 {
@@ -71,7 +74,7 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
             let now = brightness(&renderer);
             assert!((0.6..1.5).contains(&(now / before)), "{what}, frame {frame}: {before} becomes {now}");
         }
-        assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &scene, &settings), "{what}");
+        assert!(frozen(&mut renderer, &pose) == fresh(&gpu, &scene, &settings), "{what}");
     }
 }
 
@@ -92,11 +95,8 @@ fn nothing_is_seen_of_other_sets_until_all_are_there() {
             assert!(indirect(&renderer) == before);
         }
     }
-    for _ in 3..8 {
-        renderer.render(&pose).unwrap();
-    }
     let settings = Settings { vpl: VplSettings { temporal_sets: 8, ..start().vpl }, ..start() };
-    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &scene, &settings));
+    assert!(frozen(&mut renderer, &pose) == fresh(&gpu, &scene, &settings));
 }
 
 #[test]
@@ -134,8 +134,7 @@ fn settings_that_the_device_cannot_do_change_nothing() {
     let error = renderer.set_settings(&huge, &pose).unwrap_err().to_string();
     assert!(!error.contains('\n'), "{error}");
     assert_eq!(renderer.settings(), &start());
-    renderer.render(&pose).unwrap();
-    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &scene, &start()));
+    assert!(frozen(&mut renderer, &pose) == fresh(&gpu, &scene, &start()));
 }
 
 #[test]
@@ -151,12 +150,9 @@ fn another_scene_is_drawn_as_by_a_fresh_renderer() {
         elsewhere.join().unwrap()
     });
     renderer.replace_scene(prepared, &start(), &second.pose(0.0)).unwrap();
-    for _ in 0..8 {
-        renderer.render(&second.pose(0.0)).unwrap();
-    }
-    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &second, &start()));
+    assert!(frozen(&mut renderer, &second.pose(0.0)) == fresh(&gpu, &second, &start()));
     let frames: Vec<u64> = renderer.finish().unwrap().iter().map(|report| report.frame).collect();
-    assert!(frames.into_iter().eq(0..13), "every frame is reported once");
+    assert!(frames.into_iter().eq(0..5 + 16), "every frame is reported once");
 }
 
 /// The scene with another material, whose index is given.
@@ -203,17 +199,14 @@ fn edited_scenes_end_as_a_fresh_renderer_bit_for_bit() {
         ("no environment", under(None)),
     ];
     let mut renderer = gpu.rendered(&cornell, &settings, 5);
-    let mut before = renderer.read_picture(true).unwrap();
+    let mut before = renderer.read_picture(false).unwrap();
     for (what, scene) in scenes {
         let pose = scene.pose(0.0);
         assert!(scene.same_geometry_and_bindings(renderer.scene()), "{what}");
         renderer.set_scene(&scene, &pose).unwrap();
         renderer.render(&pose).unwrap();
-        assert!(renderer.read_picture(true).unwrap() != before, "{what}: not seen in the next frame");
-        for _ in 0..settings.vpl.slots / settings.vpl.budget + 2 * settings.vpl.temporal_sets {
-            renderer.render(&pose).unwrap();
-        }
-        let picture = renderer.read_picture(true).unwrap();
+        assert!(renderer.read_picture(false).unwrap() != before, "{what}: not seen in the next frame");
+        let picture = frozen(&mut renderer, &pose);
         assert!(picture == fresh(&gpu, &scene, &settings), "{what}");
         before = picture;
     }
@@ -234,10 +227,7 @@ fn textured_materials_are_edited_without_their_textures() {
         let (pose, settings) = (edited.pose(0.0), start());
         let mut renderer = gpu.rendered(&scene, &settings, 5);
         renderer.set_scene(&edited, &pose).unwrap();
-        for _ in 0..settings.vpl.slots / settings.vpl.budget + 2 * settings.vpl.temporal_sets {
-            renderer.render(&pose).unwrap();
-        }
-        let picture = renderer.read_picture(true).unwrap();
+        let picture = frozen(&mut renderer, &pose);
         assert!(picture == fresh(&gpu, &edited, &settings), "{}", scene.name);
         assert!(picture != fresh(&gpu, &scene, &settings), "{}", scene.name);
     }
@@ -250,10 +240,7 @@ fn a_scene_of_other_meshes_is_built_anew() {
     assert!(!second.same_geometry_and_bindings(&first));
     let mut renderer = gpu.rendered(&first, &start(), 4);
     renderer.set_scene(&second, &second.pose(0.0)).unwrap();
-    for _ in 0..8 {
-        renderer.render(&second.pose(0.0)).unwrap();
-    }
-    assert!(renderer.read_picture(true).unwrap() == fresh(&gpu, &second, &start()));
+    assert!(frozen(&mut renderer, &second.pose(0.0)) == fresh(&gpu, &second, &start()));
 }
 
 #[test]

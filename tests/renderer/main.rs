@@ -29,6 +29,7 @@ mod rooms;
 mod shadows;
 mod soft_shadows;
 mod sphere;
+mod still;
 mod taa;
 mod temporal;
 mod thin_features;

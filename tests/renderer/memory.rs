@@ -68,11 +68,13 @@ fn memory_grows_as_computed() {
         bytes
     };
     let of = |size, vpls, temporal_sets, interleave| {
-        // The larger ones with antialiasing.
-        let antialiasing = if size == [320, 200] { Antialiasing::Taa } else { Antialiasing::None };
+        // The larger ones with antialiasing and still frames.
+        let is_large = size == [320, 200];
+        let antialiasing = if is_large { Antialiasing::Taa } else { Antialiasing::None };
         let settings = Settings {
             size,
             antialiasing,
+            still_frames: if is_large { 64 } else { 0 },
             vpl: VplSettings { slots: vpls, temporal_sets, interleave, ..VplSettings::default() },
             ..plain()
         };

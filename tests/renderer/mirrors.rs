@@ -1,17 +1,15 @@
-//! Reflections together with the rest of a frame: light of VPLs, thin surfaces, static scenes, changes while it runs, roughness.
+//! Reflections together with the rest of a frame: light of VPLs, thin surfaces, still scenes, changes while it runs, roughness.
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
-use glowworm::output::Picture;
-use glowworm::renderer::Renderer;
-use glowworm::scene::{Pose, Scene};
+use glowworm::scene::Scene;
 use glowworm::settings::{
-    Antialiasing, Denoise, Direct, EffectSettings, Indirect, Noise, Reflections, Settings, VplSettings,
+    Antialiasing, Denoise, Direct, EffectSettings, Noise, Reflections, Settings, VplSettings,
 };
 
 use super::reference::reference;
 use super::reflections::{FRAMES, SIZE, SKY, settings, stage};
+use super::still::{self, check_stillness, frozen};
 use super::support::{GpuFixture, channel, exact, layer, luminance, mean, scene};
 
 /// A closed room with a mirror on its far wall, seen from a place where the mirror shows the wall behind the camera too.
@@ -65,14 +63,14 @@ fn a_mirror_shows_the_light_of_vpls() {
             EffectSettings { denoise: Denoise::NONE, reflection_roughness: 1.0, ..Default::default() };
         let vpl = VplSettings { slots: 1024, pool: 1024, budget: 1024, temporal_sets: 4, ..exact(size).vpl };
         let settings = Settings { bounces, vpl, effects, reflections: Reflections::Rays, ..exact(size) };
-        let picture = gpu.rendered(&scene, &settings, 1 + 2 * 4 + 64).read_picture(true).unwrap();
+        let picture = gpu.rendered(&scene, &settings, 1).read_picture(true).unwrap();
         let is_mirror: Vec<bool> = channel(&picture, "instance").iter().map(|id| *id == 1.0).collect();
-        let of = |picture: &Picture| {
-            let pixels = layer(picture, "reflected").into_iter().zip(&is_mirror);
+        let of = |reflected: Vec<[f32; 3]>| {
+            let pixels = reflected.into_iter().zip(&is_mirror);
             mean(pixels.filter(|(_, is_mirror)| **is_mirror).map(|(pixel, _)| luminance(&pixel)))
         };
-        let reference = of(&reference(&scene, size, bounces + 1, 512));
-        let ours = of(&picture);
+        let reference = of(layer(&reference(&scene, size, bounces + 1, 512), "reflected"));
+        let ours = of(gpu.mean_of_frames(&scene, &settings, 24, |picture| layer(picture, "reflected")));
         assert!(
             (ours / reference - 1.0).abs() < 0.03,
             "roughness {roughness}, {bounces} bounces: {}",
@@ -142,25 +140,10 @@ translation = [0.6, 1.8, -0.4]
 colour = [0.2, 0.3, 0.5]
 "#;
 
-/// Everything in use, and frames until the picture stands still.
-fn all_in_use() -> (Settings, u32) {
-    let vpl = VplSettings { slots: 60, temporal_sets: 5, budget: 16, ..VplSettings::default() };
+/// Everything in use.
+fn all_in_use() -> Settings {
     let effects = EffectSettings { reflection_depth: 3, ..EffectSettings::default() };
-    let settings = Settings {
-        size: [64, 48],
-        indirect: Indirect::VPLS,
-        reflections: Reflections::Auto,
-        antialiasing: Antialiasing::Taa,
-        vpl,
-        effects,
-        ..settings(Denoise::SVGF)
-    };
-    (settings, vpl.slots.div_ceil(vpl.budget) + 2 * vpl.temporal_sets + 48 + 16)
-}
-
-fn wait(renderer: &mut Renderer, pose: &Pose, frames: u32) -> Picture {
-    (0..frames).for_each(|_| renderer.render(pose).unwrap());
-    renderer.read_picture(false).unwrap()
+    Settings { effects, direct: Direct::Soft, reflections: Reflections::Auto, ..still::settings() }
 }
 
 fn mirrors() -> Arc<Scene> {
@@ -168,37 +151,13 @@ fn mirrors() -> Arc<Scene> {
 }
 
 #[test]
-fn mirrors_stand_still_and_depend_on_no_past() {
-    let Some(gpu) = GpuFixture::open() else { return };
-    let scene = mirrors();
-    let rest = scene.pose(0.0);
-    let (smooth, frames) = all_in_use();
+fn frozen_mirrors_depend_on_no_past() {
+    let smooth = all_in_use();
     let effects = EffectSettings { denoise: Denoise::NONE, noise: Noise::White, ..smooth.effects };
     let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);
     let rough = Settings { direct, antialiasing, effects, ..smooth.clone() };
-    for (what, settings) in [("denoised", smooth), ("not denoised", rough)] {
-        let mut fresh = gpu.renderer(&scene, &settings, &rest);
-        let expected = wait(&mut fresh, &rest, frames);
-        assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite()));
-        for more in [1, 9] {
-            assert!(wait(&mut fresh, &rest, more) == expected, "{what}: {more} frames later");
-        }
-        for moved in [1, 4] {
-            let mut renderer = gpu.renderer(&scene, &settings, &rest);
-            for frame in 0..moved {
-                let mut pose = rest.clone();
-                let way = Affine3A::from_translation(Vec3::X * 0.2 * (frame + 1) as f32);
-                pose.instances[2] = way * pose.instances[2];
-                pose.camera.eye.x += 0.1;
-                pose.environment.as_mut().unwrap().radiance *= 3.0;
-                let picture = wait(&mut renderer, &pose, 1);
-                assert!(
-                    picture.colour.iter().flatten().all(|channel| channel.is_finite()),
-                    "{what}, {frame}"
-                );
-            }
-            assert!(wait(&mut renderer, &rest, frames) == expected, "{what}: after {moved} frames of motion");
-        }
+    for settings in [smooth, rough] {
+        check_stillness(&mirrors(), &settings);
     }
 }
 
@@ -207,9 +166,9 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = mirrors();
     let pose = scene.pose(0.0);
-    let (start, frames) = all_in_use();
+    let start = all_in_use();
     let mut renderer = gpu.renderer(&scene, &start, &pose);
-    wait(&mut renderer, &pose, 7);
+    (0..7).for_each(|_| renderer.render(&pose).unwrap());
     type Change = fn(&mut Settings);
     let changes: [(&str, Change); 5] = [
         ("none", |settings| settings.reflections = Reflections::None),
@@ -227,23 +186,23 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
     for (what, change) in changes {
         change(&mut settings);
         renderer.set_settings(&settings, &pose).unwrap();
-        let ours = wait(&mut renderer, &pose, frames);
-        assert!(ours == wait(&mut gpu.renderer(&scene, &settings, &pose), &pose, frames), "{what}");
+        let ours = frozen(&mut renderer, &pose);
+        assert!(ours == frozen(&mut gpu.renderer(&scene, &settings, &pose), &pose), "{what}");
     }
     // The mirror becomes a dull one, below the limit.
     let mut edited = Scene::clone(&scene);
     edited.materials[0].roughness = 0.15;
     let edited = Arc::new(edited);
     renderer.set_scene(&edited, &pose).unwrap();
-    let ours = wait(&mut renderer, &pose, frames);
-    assert!(ours == wait(&mut gpu.renderer(&edited, &settings, &pose), &pose, frames), "edited");
+    let ours = frozen(&mut renderer, &pose);
+    assert!(ours == frozen(&mut gpu.renderer(&edited, &settings, &pose), &pose), "edited");
 }
 
 #[test]
 fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
     let Some(gpu) = GpuFixture::open() else { return };
-    let (base, _) = all_in_use();
-    let base = Settings { direct: Direct::Hard, antialiasing: Antialiasing::None, ..base };
+    let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);
+    let base = Settings { direct, antialiasing, ..all_in_use() };
     let reflected = |roughness: f32, reflections, reflection_roughness| {
         let scene = stage(&format!("albedo = [0.9, 0.9, 0.9], roughness = {roughness}, metallic = 1"), SKY);
         let effects = EffectSettings { denoise: Denoise::NONE, reflection_roughness, ..base.effects };

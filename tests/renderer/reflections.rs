@@ -14,8 +14,8 @@ use super::reference::reference;
 use super::support::{GpuFixture, channel, layer, luminance, mean, plain, scene};
 
 pub(super) const SIZE: [u32; 2] = [96, 64];
-/// Frames of a still scene until it is frozen, without an estimator.
-pub(super) const FRAMES: u32 = 64 + 1;
+/// Frames of a still scene until it is frozen.
+pub(super) const FRAMES: u32 = 64;
 
 /// Boxes, one of which glows, before an upright surface at z = -2 that faces them.
 pub(super) fn stage(material: &str, more: &str) -> Arc<Scene> {
@@ -290,7 +290,8 @@ fn in_motion_the_picture_is_like_the_truth() {
 
 /// What comes to rest in a pose.
 pub(super) fn still(gpu: &GpuFixture, scene: &Arc<Scene>, settings: &Settings, pose: &Pose) -> Renderer {
-    let mut renderer = gpu.renderer(scene, settings, pose);
+    let settings = Settings { still_frames: FRAMES, ..settings.clone() };
+    let mut renderer = gpu.renderer(scene, &settings, pose);
     (0..FRAMES).for_each(|_| renderer.render(pose).unwrap());
     renderer
 }

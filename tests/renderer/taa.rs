@@ -1,4 +1,4 @@
-//! Temporal antialiasing: smooth edges that stand still, textures that keep their contrast, nothing that trails.
+//! Temporal antialiasing: smooth edges, textures that keep their contrast, nothing that trails.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,11 +8,11 @@ use glowworm::formats::load_scene;
 use glowworm::metrics::{CompareOptions, Image, compare};
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
+use glowworm::settings::{Antialiasing, Indirect, Settings};
 
 use super::support::{GpuFixture, mean, plain, scene};
 
-const BOXES: &str = r#"
+pub(super) const BOXES: &str = r#"
 [[models]]
 name = "room"
 primitive = "box"
@@ -92,58 +92,14 @@ fn a_still_picture_is_the_supersampled_one() {
     let scene = scene(BOXES);
     let pose = scene.pose(0.0);
     let expected = supersampled(&gpu, &scene, &pose);
+    let still = |antialiasing| Settings { still_frames: 64, ..direct_only(antialiasing) };
     let [smooth, rough] = [Antialiasing::Taa, Antialiasing::None]
-        .map(|antialiasing| flip(&colour(&gpu.rendered(&scene, &direct_only(antialiasing), 64)), &expected));
+        .map(|antialiasing| flip(&colour(&gpu.rendered(&scene, &still(antialiasing), 64)), &expected));
     eprintln!("FLIP {smooth}, without {rough}");
     assert!(smooth <= 0.02 && rough > 0.02, "{smooth}, without {rough}");
-    let [ours, theirs] = [colour(&gpu.rendered(&scene, &direct_only(Antialiasing::Taa), 64)), expected]
+    let [ours, theirs] = [colour(&gpu.rendered(&scene, &still(Antialiasing::Taa), 64)), expected]
         .map(|picture| mean(picture.iter().map(|pixel| pixel[0])));
     assert!((ours / theirs - 1.0).abs() < 2e-3, "{ours} of {theirs}");
-}
-
-/// Frames until a still scene is frozen: VPLs settle, the first set's turn comes, 16 positions are averaged.
-fn frames_to_convergence(settings: &Settings) -> u32 {
-    let vpl = &settings.vpl;
-    vpl.slots.div_ceil(vpl.budget) + 2 * vpl.temporal_sets + 16
-}
-
-#[test]
-fn a_still_picture_stands_still_and_depends_on_no_past() {
-    let Some(gpu) = GpuFixture::open() else { return };
-    let scene = scene(BOXES);
-    let vpl = VplSettings { slots: 96, temporal_sets: 6, budget: 32, ..VplSettings::default() };
-    let settings = Settings { size: SIZE, vpl, antialiasing: Antialiasing::Taa, ..plain() };
-    let rest = scene.pose(0.0);
-    let wait = |renderer: &mut Renderer, pose: &Pose, frames: u32| {
-        (0..frames).for_each(|_| renderer.render(pose).unwrap());
-        renderer.read_picture(false).unwrap()
-    };
-    let mut fresh = gpu.renderer(&scene, &settings, &rest);
-    let expected = wait(&mut fresh, &rest, frames_to_convergence(&settings));
-    for more in [1, 7, 30] {
-        assert!(wait(&mut fresh, &rest, more) == expected, "after {more} more frames");
-    }
-    // After a light, a box and the camera have moved, for numbers of frames that no cycle divides.
-    for frames in [1, 5] {
-        let mut renderer = gpu.renderer(&scene, &settings, &rest);
-        for frame in 0..frames {
-            let mut pose = rest.clone();
-            pose.lights[0].position.x -= 0.1 * (frame + 1) as f32;
-            pose.instances[1] = Affine3A::from_translation(Vec3::X * 0.1 * frame as f32) * pose.instances[1];
-            pose.camera.eye.y += 0.05;
-            renderer.render(&pose).unwrap();
-        }
-        assert!(
-            wait(&mut renderer, &rest, frames_to_convergence(&settings)) == expected,
-            "after {frames} frames of motion"
-        );
-    }
-    // After other settings.
-    let other = Settings { antialiasing: Antialiasing::None, ..settings.clone() };
-    fresh.set_settings(&other, &rest).unwrap();
-    wait(&mut fresh, &rest, 3);
-    fresh.set_settings(&settings, &rest).unwrap();
-    assert!(wait(&mut fresh, &rest, frames_to_convergence(&settings)) == expected, "after other settings");
 }
 
 /// A wall with upright stripes that glow, of 5 pixels each.

@@ -125,9 +125,15 @@ pub fn scene(text: &str) -> Arc<Scene> {
     named_scene(file.to_str().unwrap(), None)
 }
 
-/// The defaults without what other tests look at: one sample in the middle of each pixel, and nothing is mirrored.
+/// The defaults without what other tests look at: one sample in the middle of each pixel, nothing is mirrored, and what stands still
+/// is shown as what moves.
 pub fn plain() -> Settings {
-    Settings { reflections: Reflections::None, antialiasing: Antialiasing::None, ..Settings::default() }
+    Settings {
+        reflections: Reflections::None,
+        antialiasing: Antialiasing::None,
+        still_frames: 0,
+        ..Settings::default()
+    }
 }
 
 /// Settings for small, exact pictures: no clamp, no interleaving.

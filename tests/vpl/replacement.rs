@@ -33,6 +33,44 @@ fn static_scene_never_shoots() {
 }
 
 #[test]
+fn in_still_frames_all_paths_go_on_and_then_return() {
+    for (sets, budget) in [(4, 64), (1, 10), (6, 10)] {
+        let mut stage = sphere_with(point(1.0, Vec3::new(0.3, 0.2, 0.1)));
+        let vpl = VplSettings { budget, temporal_sets: sets, ..settings(96, 3).vpl };
+        let settings = Settings { vpl, ..settings(96, 3) };
+        let places = |manager: &VplManager| manager.slots().map(|slot| slot.position).collect::<Vec<_>>();
+        let [mut manager, mut other] = [(); 2].map(|()| VplManager::new(stage.world(), &settings));
+        let first = places(&manager);
+        // 32 paths of 3 slots.
+        let round = sets.max(32_u32.div_ceil(budget / 3));
+        // One of them stood elsewhere before.
+        stage.pose.lights[0].position.x += 0.1;
+        stage.frame(&mut other);
+        stage.pose.lights[0].position.x -= 0.1;
+        while !other.is_fresh() {
+            stage.frame(&mut other);
+        }
+        for still in 0..2 * round {
+            let shot = [&mut manager, &mut other].map(|manager| {
+                manager.invalidate(stage.world());
+                manager.shoot_anew(stage.world(), still)
+            });
+            assert!(shot[0] == shot[1] && shot[0] <= budget);
+            assert_eq!(places(&manager), places(&other), "still frame {still}");
+            if still + 1 == round {
+                let now = places(&manager);
+                assert!(first.iter().zip(&now).all(|(first, now)| first != now), "a slot is as it was");
+            }
+        }
+        assert!(!manager.is_fresh());
+        for _ in 0..96_u32.div_ceil(budget) {
+            assert!(!manager.is_fresh() && stage.frame(&mut manager).shot <= budget);
+        }
+        assert!(manager.is_fresh() && places(&manager) == first);
+    }
+}
+
+#[test]
 fn nothing_starves_while_the_light_keeps_moving() {
     for (vpls, bounces, budget) in [(96, 16, 1), (96, 16, 5), (100, 3, 7)] {
         let mut stage = sphere_with(point(1.0, Vec3::ZERO));

@@ -64,8 +64,8 @@ vec3 vpl_light(Surface at, uvec2 block, float random, inout uint rays) {
 }
 
 vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
-    // A point of a sequence for each texel, well spread over neighbours and over sets.
-    vec4 u = fract(shift_of(texel, 3u) + float(vpl.layer) * vec4(0.8191725, 0.6710436, 0.5497005, 0.4502995)
+    // A point of a sequence for each texel, well spread over neighbours, sets and cycles.
+    vec4 u = fract(shift_of(texel, 3u) + vec4(0.0, cycle_shift(0u), cycle_shift(1u), cycle_shift(2u)) + float(vpl.layer) * vec4(0.8191725, 0.6710436, 0.5497005, 0.4502995)
         + dot(vec2(texel), vec2(0.5545497, 0.3086578)) * vec4(0.0, 1.0, 2.0, 3.0));
     vec3 direction = cosine_hemisphere(surface.shading, u.xy);
     if (dot(direction, surface.geometric) <= 0.0) return vec3(0.0);

@@ -36,10 +36,16 @@ uint weight_index(uvec2 block, uint cluster) {
     return (block.y * columns + block.x) * CLUSTERS + cluster;
 }
 
-// A number in [0, 1) for each texel, well spread among neighbours (the R2 sequence of Roberts 2018), over sets, turns, and uses.
+// Multiples of irrational numbers by the cycle's number, modulo 1: exact whatever that is.
+float cycle_shift(uint dimension) {
+    const uint STEPS[4] = uint[](0x9e3779b9u, 0x6a09e667u, 0xbb67ae85u, 0x3c6ef373u);
+    return float(vpl.cycle * STEPS[dimension % 4u] >> 8u) * exp2(-24.0);
+}
+
+// A number in [0, 1) for each texel, well spread among neighbours (the R2 sequence of Roberts 2018), over sets, cycles and uses.
 float shift_of(uvec2 texel, uint use) {
-    return fract(dot(vec2(texel), vec2(0.7548776662, 0.5698402910)) + 0.6180339887 * float(vpl.layer)
-        + 0.41421356 * float(vpl.cycle) + 0.73205081 * float(use));
+    float spread = dot(vec2(texel), vec2(0.7548776662, 0.5698402910)) + 0.6180339887 * float(vpl.layer);
+    return fract(spread + 0.41421356 * float(use) + cycle_shift(use));
 }
 
 // How far the blocks lie before the first texel: elsewhere in each set and turn, so that their edges are not seen.

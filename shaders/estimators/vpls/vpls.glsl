@@ -19,7 +19,7 @@ struct VplUniforms {
     uint layer;             // of the set buffers, for the set
     uvec2 representative;   // see representative.glsl
     uint bounces;           // of a path, at most
-    uint cycle;             // turns that the set has had
+    uint cycle;             // how often all sets have had their turn
     uint target;            // layer of the set buffers that its turn writes
     float longest_history;  // draws of its turns before that count, at most
     vec4 set_weights[16];   // of each temporal set: the less, the more has changed since it was rendered

@@ -1,4 +1,4 @@
-//! The bar at the top: scene, method, temporal sets, quality, split view, frame rate.
+//! The bar at the top: scene, method, temporal sets, quality, split view, frame rate, still frames.
 
 use clap::ValueEnum;
 use egui::{ComboBox, RichText, Ui};
@@ -18,7 +18,7 @@ const QUALITIES: usize = 3;
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
 /// Width of all that the bar holds, points.
-const FULL: f32 = 900.0;
+const FULL: f32 = 1080.0;
 /// Height of a row and of the margins, points.
 const ROW: f32 = 22.0;
 const MARGINS: f32 = 4.0;
@@ -53,6 +53,13 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
         if split.clicked() {
             let same = RightSide::Settings(Box::new(settings.clone()));
             actions.push(Action::Split(shown.split.is_none().then_some(same)));
+        }
+        // At the end, so that it moves nothing.
+        let still = session.renderer.still_frames();
+        if still > 0 {
+            ui.separator();
+            ui.weak(format!("still: {still} of {} frames", session.settings.still_frames))
+                .on_hover_text("While nothing changes, the mean of all frames becomes the picture.");
         }
         if settings != session.settings {
             actions.push(Action::Set(Box::new(settings)));

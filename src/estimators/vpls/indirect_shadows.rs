@@ -23,6 +23,10 @@ const TILE: u32 = 16;
 /// Texels of a block in each direction. Twin: shaders/estimators/vpls/clusters.glsl.
 const BLOCK: u32 = 8;
 
+/// A still frame has so many times the samples, and each texel compensates bias: the mean takes all that helps it, at rays that cost
+/// little beside the rest.
+const STILL_SAMPLES: u32 = 4;
+
 /// What a dispatch samples; `SamplingPush` in shaders/estimators/vpls/clusters.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -113,11 +117,13 @@ impl IndirectShadowsPass {
     ) -> Result<&Image, VulkanError> {
         let extent = self.irradiance.extent();
         let tiles = extent.map(|side| side.div_ceil(TILE));
+        let is_still = inputs.clock.averaged().is_some();
+        let samples = if is_still { samples.saturating_mul(STILL_SAMPLES) } else { samples };
         let all = SamplingPush {
             tiles,
             set_step: self.step,
             set_share: self.set_share,
-            spread: if self.set_share <= 0.25 { 2 } else { 1 },
+            spread: if self.set_share <= 0.25 && !is_still { 2 } else { 1 },
             ..SamplingPush::default()
         };
 

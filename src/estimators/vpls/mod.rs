@@ -43,8 +43,10 @@ pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, s
 
 use super::{DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, ViewInputs, World};
 use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::clock::FrameClock;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
+use crate::passes::still::SampledIrradiance;
 use crate::report::Counters;
 use crate::settings::{Settings, VplSettings};
 use crate::statistics::percentile;
@@ -106,9 +108,7 @@ struct FrameSet {
 struct Turn {
     set: u32,
     vpls: Vec<GpuVpl>,
-    /// Turns of the set before.
-    cycle: u32,
-    /// Draws of these that count, at most.
+    /// Draws of its turns before that count, at most.
     longest_history: f32,
     /// Where instances have moved since the last one.
     moved: [MovedBox; MOST_BOXES],
@@ -166,20 +166,26 @@ impl Vpls {
 }
 
 impl Estimator for Vpls {
-    fn cycle(&self) -> u32 {
+    fn turns(&self) -> u32 {
         self.settings.vpl.temporal_sets
     }
 
-    fn settles_in(&self) -> u32 {
-        self.settings.vpl.slots.div_ceil(self.settings.vpl.budget) + self.settings.vpl.temporal_sets
+    fn is_settled(&self) -> bool {
+        self.manager.is_fresh()
     }
 
-    fn update(&mut self, world: World<'_>, frame: u64) -> Vec<f64> {
+    fn update(&mut self, world: World<'_>, clock: &FrameClock) -> Vec<f64> {
         let begun = Instant::now();
         self.manager.invalidate(world);
         let invalidated = Instant::now();
-        self.manager.replace(world);
-        let set = (frame % u64::from(self.settings.vpl.temporal_sets)) as u32;
+        match clock.averaged() {
+            Some(still) => self.manager.shoot_anew(world, still),
+            None if clock.is_moving() && self.settings.vpl.longest_history > 0 => {
+                self.manager.replace_in_motion(world, clock.frame as u32)
+            }
+            None => self.manager.replace(world),
+        };
+        let set = clock.turn();
         self.staleness.advance(&self.manager, self.median_segment_length);
         let rerendered = self.staleness.stalest(set, self.settings.vpl.refresh);
         let longest = self.settings.vpl.longest_history;
@@ -187,7 +193,6 @@ impl Estimator for Vpls {
         let turn = |set| Turn {
             set,
             vpls: self.manager.set_vpls(world, set),
-            cycle: self.staleness.turns(set),
             longest_history: self.staleness.history(set, longest),
             moved: self.moved.take(set),
         };
@@ -222,6 +227,7 @@ impl Estimator for Vpls {
             bounces: self.settings.bounces,
             irradiance_scale,
             position_cutoff: self.settings.vpl.position_cutoff,
+            cycle: inputs.clock.cycle(),
             set_weights: self.staleness.weights(),
             ..VplUniforms::zeroed()
         };
@@ -231,11 +237,12 @@ impl Estimator for Vpls {
         let hit_share = self.manager.hit_share();
         let mut last = None;
         for turn @ Turn { set, vpls, .. } in rendered {
-            let representative = passes.sets.representative(*set);
+            let is_due = *set == self.frame_set.set;
+            let representative =
+                passes.sets.representative(if is_due { inputs.clock.quarter() } else { *set });
             let uniforms = VplUniforms {
                 layer: *set,
                 representative,
-                cycle: turn.cycle,
                 longest_history: turn.longest_history,
                 target: passes.sets.target(),
                 moved: turn.moved,
@@ -245,7 +252,8 @@ impl Estimator for Vpls {
             let samples = samples(&self.settings.vpl, uploaded.count, hit_share);
             let sampled_irradiance = passes.indirect_shadows.record(frame, inputs, &uploaded, samples)?;
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
-            let rendered = RenderedSet { set: *set, irradiance_scale, flux: flux[*set as usize] };
+            let flux = flux[*set as usize];
+            let rendered = RenderedSet { set: *set, representative, irradiance_scale, flux };
             passes.sets.note(frame, inputs.pose, &rendered)?;
             last = Some(uploaded);
         }
@@ -271,6 +279,17 @@ impl Estimator for Vpls {
         IrradianceSignal {
             noisy: &pass.coarse_irradiance,
             variance: is_coarse.then_some(&pass.coarse_variance),
+        }
+    }
+
+    fn sampled(&self) -> SampledIrradiance<'_> {
+        let sets = &self.passes.sets;
+        let offset = self.uploaded.as_ref().map_or([0; 2], |set| set.representative);
+        SampledIrradiance {
+            image: self.passes.indirect_shadows.output(),
+            scale: self.settings.vpl.temporal_sets as f32 / self.irradiance_scale(),
+            step: sets.step(),
+            offset,
         }
     }
 

@@ -92,6 +92,8 @@ pub struct SetPush {
 pub struct RenderedSet {
     /// Its index.
     pub set: u32,
+    /// See [`SetBuffers::representative`].
+    pub representative: [u32; 2],
     /// What its buffer's irradiance is multiplied by.
     pub irradiance_scale: f32,
     /// Its luminous flux.
@@ -178,10 +180,11 @@ impl SetBuffers {
         self.flux.iter().all(Option::is_some)
     }
 
-    /// The pixel that the texels of a set stand for, counted from the first of theirs.
-    pub fn representative(&self, set: u32) -> [u32; 2] {
+    /// The pixel that texels stand for in a [quarter](crate::passes::clock::FrameClock::quarter) of the frames, counted from the first of
+    /// theirs.
+    pub fn representative(&self, quarter: u32) -> [u32; 2] {
         const OFFSETS: [[u32; 2]; 4] = [[0, 0], [1, 1], [1, 0], [0, 1]];
-        if self.step == 1 { [0, 0] } else { OFFSETS[set as usize % 4] }
+        if self.step == 1 { [0, 0] } else { OFFSETS[quarter as usize % 4] }
     }
 
     /// The layer that the set to be rendered next is written to.
@@ -197,7 +200,7 @@ impl SetBuffers {
         rendered: &RenderedSet,
     ) -> Result<(), VulkanError> {
         let view = SetView::new(&pose.camera, self.size);
-        let [x, y] = self.representative(rendered.set);
+        let [x, y] = rendered.representative;
         let rendered_layer = std::mem::replace(&mut self.spare, self.layers[rendered.set as usize]);
         self.layers[rendered.set as usize] = rendered_layer;
         let parameters = SetParameters {

@@ -24,8 +24,6 @@ const FAR: f32 = 0.25;
 pub struct Staleness {
     /// For each set the sum, over the frames since, of the share of all flux that changed.
     changes: Vec<f32>,
-    /// For each set how often it was rendered.
-    turns: Vec<u32>,
     /// Position and luminous flux of each VPL in the last frame.
     last: Vec<(Vec3, f32)>,
 }
@@ -33,7 +31,7 @@ pub struct Staleness {
 impl Staleness {
     /// The state before anything is rendered.
     pub fn new(sets: u32) -> Self {
-        Self { changes: vec![0.0; sets as usize], turns: vec![0; sets as usize], last: Vec::new() }
+        Self { changes: vec![0.0; sets as usize], last: Vec::new() }
     }
 
     /// Compares the VPLs with those of the last frame.
@@ -71,12 +69,6 @@ impl Staleness {
     /// Notes that a set is rendered.
     pub fn mark_rendered(&mut self, set: u32) {
         self.changes[set as usize] = 0.0;
-        self.turns[set as usize] += 1;
-    }
-
-    /// How often a set was rendered.
-    pub fn turns(&self, set: u32) -> u32 {
-        self.turns[set as usize]
     }
 
     /// How many of the draws that a set holds still count, at most `longest`.

@@ -42,7 +42,7 @@ pub struct VplUniforms {
     pub representative: [u32; 2],
     /// Bounce limit of a path.
     pub bounces: u32,
-    /// Turns that the set has had.
+    /// How often all sets have had their turn.
     pub cycle: u32,
     /// Layer of the set buffers that its turn writes.
     pub target: u32,
@@ -64,6 +64,8 @@ pub struct UploadedSet {
     pub clusters: Arc<Buffer>,
     /// VPLs of the set.
     pub count: u32,
+    /// [`VplUniforms::representative`].
+    pub representative: [u32; 2],
     /// Rays of the frame: see [`rays_of`].
     pub ray_counters: Arc<Buffer>,
 }
@@ -127,6 +129,7 @@ impl VplBuffer {
             vpls: Arc::clone(self.vpls.buffer()),
             clusters: Arc::clone(self.clusters.buffer()),
             count: to_u32(count),
+            representative: uniforms.representative,
             ray_counters: Arc::clone(&self.ray_counters),
         })
     }

@@ -35,7 +35,7 @@ impl Layout {
     pub(super) fn point(&self, address: &Address, step: u32, candidate: u32) -> Vec2 {
         let seed = self.sequence_seed(address, candidate);
         match self.sequence {
-            Sequence::Sobol => sampling::sequence_point(address.sequence, step, seed),
+            Sequence::Sobol => sampling::sequence_point(address.sequence & 0xffff, step, seed),
             Sequence::Random => sampling::random_point(address.sequence, step, seed),
         }
     }
@@ -56,7 +56,10 @@ impl Layout {
 
     fn sequence_seed(&self, address: &Address, candidate: u32) -> u32 {
         let seed = hash(self.seed, address.light);
-        if candidate == 0 { seed } else { hash(seed, candidate) }
+        let seed = if candidate == 0 { seed } else { hash(seed, candidate) };
+        // Sobol's sequence has 65,536 points; then it is scrambled otherwise.
+        let scrambling = address.sequence >> 16;
+        if scrambling == 0 { seed } else { hash(seed, !scrambling) }
     }
 
     /// Random number in [0, 1) that chooses among the candidates of a slot.
@@ -144,6 +147,17 @@ impl Assignment {
             return None;
         }
         self.path(index as usize).get(level as usize).copied()
+    }
+
+    /// Gives a path the point of its light's sequence that comes as many points later as the light has paths.
+    pub(super) fn go_on(&mut self, path: usize) {
+        let slots = self.path_starts[path] as usize..self.path_starts[path + 1] as usize;
+        let light = self.addresses[self.path_slots[slots.start] as usize].light;
+        let step = self.light_paths(light).len() as u32;
+        for &slot in &self.path_slots[slots] {
+            let sequence = &mut self.addresses[slot as usize].sequence;
+            *sequence = sequence.wrapping_add(step);
+        }
     }
 
     fn index_paths(&mut self, bounces: u32) {

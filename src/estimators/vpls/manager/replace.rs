@@ -4,7 +4,7 @@
 //! budget. Paths with an invalid slot come first, then stale ones, each round robin (Laine et al. 2007;
 //! Tonna 2019).
 
-use super::assignment::{Cursor, PathRange};
+use super::assignment::{Assignment, Cursor, PathRange};
 use super::slots::{Slot, SlotState};
 use super::vpl_manager::VplManager;
 use crate::bvh::World;
@@ -22,6 +22,40 @@ impl VplManager {
         self.shoot(world, &ranges);
         self.update_counters();
         ranges.iter().map(|range| (range.end - range.start) as u32).sum()
+    }
+
+    /// Shoots the paths whose turn it is in a still frame, so many that all have had theirs after as many frames as temporal sets, or
+    /// as the budget allows. Nothing has changed: what they hold is as good as before.
+    pub(super) fn shoot_next_paths(&mut self, world: World<'_>, still: u32) -> u32 {
+        let paths = self.assignment.paths();
+        let longest = (0..paths).map(|path| self.assignment.path(path).len()).max().unwrap_or(1);
+        let most = (self.budget.saturating_mul(self.vpls_per_slot) as usize / longest).max(1);
+        let turns = paths.div_ceil(most).max(self.layout.sets as usize);
+        let ranges: Vec<PathRange> = (still as usize % turns..paths)
+            .step_by(turns)
+            .map(|path| {
+                self.assignment.go_on(path);
+                PathRange { path, start: 0, end: self.assignment.path(path).len() }
+            })
+            .collect();
+        (self.has_gone_on, self.changed_in) = (true, None);
+        self.shoot(world, &ranges);
+        self.update_counters();
+        ranges.iter().map(|range| range.end as u32).sum()
+    }
+
+    /// Has all paths return to their first points; those that have gone on are stale.
+    pub(super) fn return_to_first_points(&mut self) {
+        if !std::mem::take(&mut self.has_gone_on) {
+            return;
+        }
+        let first = Assignment::new(self.assignment.quota.clone(), &self.layout);
+        let addresses = first.addresses.iter().zip(&self.assignment.addresses);
+        for (slot, (first, now)) in self.slots.iter_mut().zip(addresses) {
+            slot.fresh &= first.sequence == now.sequence;
+        }
+        self.assignment = first;
+        self.update_counters();
     }
 
     fn select_ranges(&mut self) -> Vec<PathRange> {

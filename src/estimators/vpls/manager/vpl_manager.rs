@@ -31,6 +31,8 @@ pub struct VplManager {
     pub(super) live: Vec<[u32; MAX_BOUNCES + 1]>,
     /// Number of slots that are not fresh.
     pub(super) pending: u32,
+    /// Whether paths have been shot anew by later points of their sequence.
+    pub(super) has_gone_on: bool,
     pub(super) cursors: [Cursor; 2],
     pub(super) counters: VplCounters,
     /// Frames so far.
@@ -62,6 +64,7 @@ impl VplManager {
             surfaces: vec![WorldSurface::default(); layout.slots as usize],
             live: Vec::new(),
             pending: 0,
+            has_gone_on: false,
             cursors: Default::default(),
             counters: VplCounters::default(),
             frame: 0,
@@ -96,6 +99,7 @@ impl VplManager {
     pub fn change_scene(&mut self) {
         self.placement.mark_dirty();
         self.slots.iter_mut().for_each(|slot| slot.fresh = false);
+        self.update_counters();
         self.changed_in = Some(self.frame);
     }
 
@@ -110,8 +114,30 @@ impl VplManager {
 
     /// Algorithm 3: shoots up to the budget, invalid slots first, then stale ones; returns how many.
     pub fn replace(&mut self, world: World<'_>) -> u32 {
+        self.return_to_first_points();
         self.counters.shot = self.replace_slots(world);
         self.counters().shot
+    }
+
+    /// Instead of [`Self::replace`] in the still frame of this number: shoots the next paths anew, by the next points of their
+    /// sequence, so that the frames' mean goes to that of all paths; returns how many slots.
+    pub fn shoot_anew(&mut self, world: World<'_>, still: u32) -> u32 {
+        self.counters.shot = self.shoot_next_paths(world, still);
+        self.counters().shot
+    }
+
+    /// [`Self::replace`] in a frame of this number while the camera or anything else moves: where no slot waits, the next paths are shot
+    /// anew, so that what accumulates over frames is the light of many more paths.
+    pub fn replace_in_motion(&mut self, world: World<'_>, frame: u32) -> u32 {
+        let waits = self.pending > 0;
+        self.counters.shot =
+            if waits { self.replace_slots(world) } else { self.shoot_next_paths(world, frame) };
+        self.counters().shot
+    }
+
+    /// Whether all slots hold what a fresh start would have made.
+    pub fn is_fresh(&self) -> bool {
+        self.pending == 0 && !self.has_gone_on
     }
 
     /// Counters of the frame so far.
