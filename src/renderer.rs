@@ -223,8 +223,8 @@ impl Renderer {
         let (estimator, denoiser) = (&mut *self.estimator, &mut *self.indirect_denoiser);
         record_indirect(&mut frame, estimator, denoiser, inputs)?;
         if let Some(reflections) = &mut self.passes.reflections {
-            let lights_hits = estimators::method(&self.settings).lights_hits;
-            record_reflections(&mut frame, reflections, (estimator, lights_hits), denoiser, inputs)?;
+            let method = estimators::method(&self.settings);
+            record_reflections(&mut frame, reflections, (estimator, method), denoiser, inputs)?;
         }
 
         // Join all light, smooth edges, and tone map.
@@ -239,14 +239,9 @@ impl Renderer {
             thin_surfaces: self.passes.direct.thin_surfaces.as_ref().map(ThinSurfacesPass::output),
             reflection: reflections.map(Reflections::output),
         };
-        let raw = CombineInputs {
-            direct: shading.raw(),
-            reflection: reflections.map(Reflections::noisy),
-            ..joined
-        };
         let passes = (&self.passes.combine, self.passes.taa.as_mut(), self.passes.still.as_mut());
-        let lights = (&joined, &raw, estimator.sampled());
-        let display = post_process(&mut frame, passes, lights, inputs, self.settings.exposure)?;
+        let sampled = (shading.raw(), reflections.map(Reflections::noisy), estimator.sampled());
+        let display = post_process(&mut frame, passes, (&joined, sampled), inputs, self.settings.exposure)?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {

@@ -239,10 +239,10 @@ mod tests {
                 for _ in 0..64 {
                     let frame = clock.next(&pose, &inputs);
                     met.insert((frame.turn(), frame.quarter()));
-                    for axis in 0..2 {
-                        let strip = ((frame.jitter()[axis] + 0.5) * 16.0) as u32;
-                        strips[frame.quarter() as usize][axis].insert(strip);
-                    }
+                    let place = (frame.jitter() + 0.5) * 16.0;
+                    let [x, y] = &mut strips[frame.quarter() as usize];
+                    x.insert(place.x as u32);
+                    y.insert(place.y as u32);
                 }
                 let seen = strips.map(|axes| axes.map(|strips| strips.len()));
                 assert_eq!(seen, [[16; 2]; 4], "{turns} sets, from frame {}", frames * 64);

@@ -3,12 +3,15 @@
 use super::{RenderError, Renderer};
 use crate::denoise::{Denoiser, DenoiserInputs};
 use crate::effects::reflections::Reflections;
-use crate::estimators::{Estimator, Hits};
+use crate::estimators::{Estimator, Hits, Method};
 use crate::passes::combine::{CombineInputs, CombinePass};
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::still::{SampledIrradiance, StillInputs, StillPass};
 use crate::passes::taa::TaaPass;
 use crate::vulkan::{Frame, Image};
+
+/// Direct radiance, reflection and irradiance as the rays of one frame have them.
+type Sampled<'a> = (&'a Image, Option<&'a Image>, SampledIrradiance<'a>);
 
 /// Estimates indirect light, denoises it, and brings it to the picture's size.
 pub(super) fn record_indirect(
@@ -35,22 +38,22 @@ pub(super) fn irradiance<'a>(estimator: &'a dyn Estimator, denoiser: &'a dyn Den
 pub(super) fn record_reflections(
     frame: &mut Frame<'_>,
     reflections: &mut Reflections,
-    (estimator, lights_hits): (&mut dyn Estimator, bool),
+    (estimator, method): (&mut dyn Estimator, &Method),
     denoiser: &dyn Denoiser,
     inputs: &FrameInputs<'_>,
 ) -> Result<(), RenderError> {
-    let sees_screen = inputs.clock.averaged().is_none() || !lights_hits;
+    let sees_screen = inputs.clock.averaged().is_none() || !method.lights_hits;
     reflections.trace(frame, inputs, (irradiance(estimator, denoiser), sees_screen))?;
     let [place, weight] = reflections.hits();
     estimator.light_hits(frame, inputs, &Hits { place, weight, reflection: reflections.noisy() })?;
     Ok(reflections.denoise(frame, inputs)?)
 }
 
-/// Joins all light, smooths edges, lets what is still become the truth, and tone maps. `raw`: light as sampled.
+/// Joins all light, smooths edges, lets what is still become the truth, and tone maps.
 pub(super) fn post_process<'a>(
     frame: &mut Frame<'_>,
     (combine, mut taa, still): (&'a CombinePass, Option<&mut TaaPass>, Option<&mut StillPass>),
-    (joined, raw, irradiance): (&CombineInputs<'_>, &CombineInputs<'_>, SampledIrradiance<'_>),
+    (joined, (direct, reflection, irradiance)): (&CombineInputs<'_>, Sampled<'_>),
     inputs: &FrameInputs<'_>,
     exposure: Option<f32>,
 ) -> Result<&'a Image, RenderError> {
@@ -61,7 +64,7 @@ pub(super) fn post_process<'a>(
     let antialiased = taa.map(|taa| taa.output());
     let mut picture = antialiased.unwrap_or(combine.radiance());
     if let Some(still) = still.filter(|_| inputs.clock.still_frames() > 0) {
-        let exposure = combine.exposure();
+        let (raw, exposure) = (&CombineInputs { direct, reflection, ..*joined }, combine.exposure());
         still.record(
             frame,
             inputs,

@@ -12,6 +12,11 @@ use super::views::{STUDIO, settings, view};
 
 const SIDE: usize = 64;
 
+/// Pictures that differ by lines alone.
+fn frozen() -> Settings {
+    Settings { still_frames: 4, ..settings(1, 1) }
+}
+
 /// Where a world position lies in the picture, and its view depth; none outside.
 fn project(camera: &Camera, point: Vec3) -> Option<(usize, usize, f32)> {
     let [ray, ray_x, ray_y] = camera.pixel_rays(1.0);
@@ -75,7 +80,7 @@ fn lines_cover_what_lies_on_them_and_nothing_else() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = gpu.rendered(&scene, &settings(1, 1), 1);
+    let mut renderer = gpu.rendered(&scene, &frozen(), 4);
     let plain = shown(&mut renderer, &pose, &DebugView::default());
     // Across the middle of the picture, before everything; and far behind the wall.
     let ahead = |depth: f32, x: f32| {
@@ -107,7 +112,7 @@ fn lines_that_begin_behind_the_eye_are_cut_off() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let pose = scene.pose(0.0);
-    let mut renderer = gpu.rendered(&scene, &settings(1, 1), 1);
+    let mut renderer = gpu.rendered(&scene, &frozen(), 4);
     let plain = shown(&mut renderer, &pose, &DebugView::default());
     let [ray, ray_x, ray_y] = pose.camera.pixel_rays(1.0);
     let colour = [1.0, 0.0, 1.0, 1.0];
