@@ -35,7 +35,7 @@ impl TaaPass {
             blend: ComputePipeline::new(device, "taa", shaders::TAA_COMP)?,
             add: ComputePipeline::new(device, "taa_average", shaders::TAA_AVERAGE_COMP)?,
             history: History::new(|_| storage_image(device, "antialiased", halves, extent))?,
-            sampler: Sampler::for_textures(device, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2], false)?,
+            sampler: Sampler::linear(device, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2])?,
             average: storage_image(device, "average", vk::Format::R32G32B32A32_SFLOAT, extent)?,
             is_averaged: false,
             frames: 0,
