@@ -5,6 +5,8 @@
 #ifndef FOOTPRINT_GLSL
 #define FOOTPRINT_GLSL
 
+#include "wrap.glsl"
+
 // How both sets of texture coordinates change along the two axes of what is seen: a pixel, or a ray's cone.
 struct Gradients {
     vec4 right;
@@ -23,8 +25,9 @@ struct Taps {
 
 const float MOST_TAPS = 16.0;
 
-// `right`, `down`: how the coordinates on the image change along the axes; `size`: of the image, texels.
-Taps taps_of(vec2 right, vec2 down, vec2 size) {
+// `right`, `down`: how the coordinates on the image change along the axes; `size`: of the image, texels. Of texels that are not
+// interpolated one is read: those of blocks would be read beyond the block's part of the image.
+Taps taps_of(TextureUse use, vec2 right, vec2 down, vec2 size) {
     float most = length(right * size);
     float least = length(down * size);
     vec2 axis = right;
@@ -34,6 +37,7 @@ Taps taps_of(vec2 right, vec2 down, vec2 size) {
         most = least;
         least = other;
     }
+    if ((use.modes & MINIFIED_NEAREST) != 0u) return Taps(vec2(0.0), 1.0, log2(max(least, 1e-6)));
     float count = clamp(round(most / max(least, 1e-6)), 1.0, min(MOST_TAPS, max(ceil(most), 1.0)));
     return Taps(axis / count, count, log2(max(most / count, 1e-6)));
 }

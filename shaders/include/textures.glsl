@@ -27,7 +27,7 @@ vec4 sample_texture(TextureUse use, vec4 uvs, Gradients gradients) {
     TextureData image = textures.data[use.image - 1u];
     uvec2 size = uvec2(image.size & 0xffffu, image.size >> 16);
     uint words = image.format == FORMAT_HALF ? 2u : 1u;
-    Taps taps = taps_of(change_of(use, gradients.right), change_of(use, gradients.down), vec2(size));
+    Taps taps = taps_of(use, change_of(use, gradients.right), change_of(use, gradients.down), vec2(size));
 
     // The levels, and how far it is from one to the next.
     uint modes = use.modes;

@@ -43,7 +43,7 @@ vec2 coordinates(TextureUse use) { return DETAILED ? coordinates_of(use, uvs) : 
 vec4 sampled(sampler2D image, TextureUse use, Gradients gradients) {
     vec2 right = DETAILED ? change_of(use, gradients.right) : gradients.right.xy;
     vec2 down = DETAILED ? change_of(use, gradients.down) : gradients.down.xy;
-    Taps taps = taps_of(right, down, vec2(textureSize(image, 0)));
+    Taps taps = taps_of(use, right, down, vec2(textureSize(image, 0)));
     vec2 start = coordinates(use) - taps.axis * (0.5 * taps.count);
     vec4 sum = vec4(0.0);
     for (float tap = 0.5; tap < taps.count; tap++) sum += textureLod(image, start + taps.axis * tap, taps.lod);

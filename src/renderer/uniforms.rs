@@ -66,7 +66,7 @@ impl Renderer {
             seed: self.settings.seed,
             area_light_count: if self.settings.direct == Direct::Soft { area_light_count } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
-            footprint: if self.settings.antialiasing == Antialiasing::Taa { std::env::var("GW_FOOT").ok().and_then(|t| t.parse().ok()).unwrap_or(JITTERED_FOOTPRINT) } else { 1.0 },
+            footprint: if self.settings.antialiasing == Antialiasing::Taa { JITTERED_FOOTPRINT } else { 1.0 },
             tone_map: self.settings.tone_map as u32,
             ..FrameUniforms::default()
         };

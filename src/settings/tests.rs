@@ -136,7 +136,7 @@ fn options_set_their_fields() {
     assert_eq!(settings.vpl.sequence, Sequence::Random);
     let names = |kind: Kind| kind.choices().iter().map(|of| of.get_name().to_owned()).collect::<Vec<_>>();
     assert_eq!(names(find("denoise").unwrap().kind), ["svgf", "none"]);
-    assert_eq!(names(find("direct").unwrap().kind), ["hard", "soft"]);
+    assert_eq!(names(find("direct").unwrap().kind), ["auto", "hard", "soft"]);
     assert_eq!(names(find("tracer").unwrap().kind), ["auto", "software", "hardware"]);
 }
 

@@ -31,6 +31,7 @@ mod soft_shadows;
 mod sphere;
 mod taa;
 mod temporal;
+mod textures;
 mod thin_features;
 mod thin_surfaces;
 mod tracers;

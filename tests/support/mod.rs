@@ -13,7 +13,7 @@ use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Pose, Scene, WorldSurface};
-use glowworm::settings::{Antialiasing, Reflections, Settings, VplSettings};
+use glowworm::settings::{Antialiasing, Direct, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 
 /// A device whose validation messages fail the test when it goes.
@@ -125,9 +125,10 @@ pub fn scene(text: &str) -> Arc<Scene> {
     named_scene(file.to_str().unwrap(), None)
 }
 
-/// The defaults without what other tests look at: one sample in the middle of each pixel, and nothing is mirrored.
+/// The defaults without what other tests look at: hard shadows, one sample in the middle of each pixel, and nothing is mirrored.
 pub fn plain() -> Settings {
-    Settings { reflections: Reflections::None, antialiasing: Antialiasing::None, ..Settings::default() }
+    let (direct, reflections) = (Direct::Hard, Reflections::None);
+    Settings { direct, reflections, antialiasing: Antialiasing::None, ..Settings::default() }
 }
 
 /// Settings for small, exact pictures: no clamp, no interleaving.
