@@ -263,7 +263,8 @@ mod tests {
             names.sort_unstable();
             names.into_iter().map(str::to_owned).collect::<Vec<_>>()
         };
-        let top = vec!["scene", "device", "driver", "tracer", "direct", "settings", "commit", "frames", "summary"];
+        let top =
+            vec!["scene", "device", "driver", "tracer", "direct", "settings", "commit", "frames", "summary"];
         assert_eq!(keys(&json), sorted([top, vec!["load_ms", "bvh_ms"]].concat()));
         assert_eq!((&json["load_ms"], &json["bvh_ms"]), (&12.0.into(), &3.0.into()));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];

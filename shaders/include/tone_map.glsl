@@ -5,7 +5,7 @@ const uint TONE_ACES = 0u;
 const uint TONE_AGX = 1u;
 
 // The exposed radiance from which a grey surface is nearly white.
-float white_of_curve() { return frame.tone_map == TONE_ACES ? 10.0 : frame.tone_map == TONE_AGX ? 12.0 : 0.9; }
+float white_of_curve() { return frame.tone_map == TONE_ACES ? 8.0 : frame.tone_map == TONE_AGX ? 10.0 : 0.9; }
 
 // The reference rendering and output transforms of ACES, as Hill fitted them; middle grey stays what it is.
 vec3 aces(vec3 exposed) {

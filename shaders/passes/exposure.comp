@@ -19,7 +19,7 @@ layout(push_constant) uniform Push { float stops; uint automatic; float pace; } 
 const uint STEP = 4u;
 const float MIDDLE_GREY = 0.18;
 // The percentile that is kept below white, and by how many stops at most the picture gets darker for it.
-const float BRIGHT = 0.98;
+const float BRIGHT = 0.985;
 const float MOST_DIMMED = 2.0;
 // Stops that nobody sees: the last step goes all the way, so that a picture converges.
 const float UNSEEN = 0.02;

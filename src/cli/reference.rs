@@ -91,7 +91,11 @@ struct ReferenceReport {
 
 /// Renders the reference.
 pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
-    let given = options.scene.given(&[("seed", &options.seed), ("exposure", &options.exposure), ("tone_map", &options.tone_map)]);
+    let given = options.scene.given(&[
+        ("seed", &options.seed),
+        ("exposure", &options.exposure),
+        ("tone_map", &options.tone_map),
+    ]);
     options.camera.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     if options.resume && !target.is_linear() {

@@ -86,13 +86,6 @@ struct ShadowRays {
 }
 
 impl Reference<'_> {
-    /// Whether the surface that a ray along `direction` hit shines itself.
-    pub(super) fn shines(&self, hit: &Hit, direction: Vec3) -> bool {
-        let vertex = self.interaction(hit, direction);
-        vertex.material.emits_on(vertex.front)
-            && vertex.material.emission_at(self.scene, vertex.attributes) != Vec3::ZERO
-    }
-
     /// Traces one sample for each of `camera_samples` (a point in raster space and a sampler) into `samples`, of the
     /// same length.
     pub(super) fn trace(&self, mut camera_samples: Vec<(Vec2, Sampler)>, samples: &mut [PixelSample]) {

@@ -130,6 +130,13 @@ impl<'a> Reference<'a> {
         Film::new(self.size.x as usize, self.size.y as usize, self.layers, centres)
     }
 
+    /// Whether the surface that a ray along `direction` hit shines itself.
+    fn shines(&self, hit: &Hit, direction: Vec3) -> bool {
+        let (found, material) = self.surfaces.at(self.scene, hit, direction);
+        let material = &self.scene.materials[material];
+        material.emits_on(found.front) && material.emission_at(self.scene, found.attributes) != Vec3::ZERO
+    }
+
     /// A film that resumes from `picture`, with the samples and error of `progress`.
     ///
     /// # Errors

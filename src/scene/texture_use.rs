@@ -100,7 +100,15 @@ impl From<usize> for TextureUse {
     /// The texture of this index by the first coordinates, repeating.
     fn from(texture: usize) -> Self {
         let (matrix, offset) = (Mat2::IDENTITY, Vec2::ZERO);
-        Self { texture, set: 0, matrix, offset, wrap: Wrap::REPEAT, nearest: false, minified: Minified::default() }
+        Self {
+            texture,
+            set: 0,
+            matrix,
+            offset,
+            wrap: Wrap::REPEAT,
+            nearest: false,
+            minified: Minified::default(),
+        }
     }
 }
 

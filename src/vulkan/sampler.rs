@@ -26,10 +26,7 @@ pub struct Sampler {
 
 impl Sampler {
     /// Makes a linear sampler of one level.
-    pub fn linear(
-        device: &Arc<Device>,
-        modes: [vk::SamplerAddressMode; 2],
-    ) -> Result<Self, VulkanError> {
+    pub fn linear(device: &Arc<Device>, modes: [vk::SamplerAddressMode; 2]) -> Result<Self, VulkanError> {
         let linear = vk::Filter::LINEAR;
         Self::new(device, &SamplerDescription { modes, magnified: linear, minified: linear, levels: None })
     }

@@ -13,8 +13,8 @@ use glowworm::gpu_scene::structs::FrameUniforms;
 use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::passes::cast_rays::GpuRay;
 use glowworm::scene::{
-    Camera, Instance, Light, LightKind, Material, Mesh, Minified, MipLevels, Scene, Side, SurfacePoint, Texture,
-    TextureUse, Wrap, linear_to_srgb,
+    Camera, Instance, Light, LightKind, Material, Mesh, Minified, MipLevels, Scene, Side, SurfacePoint,
+    Texture, TextureUse, Wrap, linear_to_srgb,
 };
 use glowworm::settings::{Antialiasing, Settings};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};

@@ -116,7 +116,13 @@ fn the_tone_mapping_on_the_cpu_is_that_of_the_shaders() {
         let shines = layer(&drawn, "emission").into_iter().map(|emission| emission != [0.0; 3]);
         let weights = channel(&drawn, "instance").into_iter().zip(shines).map(|pixel| match pixel {
             (instance, _) if instance < 0.0 => 0.0,
-            (_, shines) => if shines { 1.0 / 16.0 } else { 1.0 },
+            (_, shines) => {
+                if shines {
+                    1.0 / 16.0
+                } else {
+                    1.0
+                }
+            }
         });
         tone_map(&mut twin, (&settings).into(), weights);
         for (a, b) in drawn.display.iter().zip(&twin.display) {

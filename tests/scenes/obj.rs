@@ -182,7 +182,10 @@ fn colours_count_by_the_map_of_opacity() {
         .with("colour.png", leaf)
         .with("opacity.png", image(&[[255; 4], [0, 0, 0, 255]]))
         .with("m.mtl", "newmtl leaf\nKd 1 1 1\nmap_Kd colour.png\nmap_d opacity.png\n")
-        .with("m.obj", "mtllib m.mtl\nusemtl leaf\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
+        .with(
+            "m.obj",
+            "mtllib m.mtl\nusemtl leaf\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n",
+        );
     let scene = folder.load("m.obj").unwrap();
     // The left half is there: green and black.
     let mean = scene.materials[0].mean_bsdf(&scene).base;

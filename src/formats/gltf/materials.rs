@@ -273,7 +273,8 @@ fn material_of(
     let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
     let (f0, f90) = dielectric_of(material);
     let data_texture = texture_use(pbr.metallic_roughness_texture(), Content::Data, source, images, scene)?;
-    let emission_texture = texture_use(material.emissive_texture(), Content::OpaqueColour, source, images, scene)?;
+    let emission_texture =
+        texture_use(material.emissive_texture(), Content::OpaqueColour, source, images, scene)?;
     let normal_scale = material.normal_texture().map_or(1.0, |map| map.scale());
     let normal_texture = texture_use(material.normal_texture(), Content::Data, source, images, scene)?;
     if !normal_scale.is_finite() {
