@@ -46,7 +46,7 @@ use crate::report::{Counters, FrameReport};
 use crate::scene::{Pose, Scene};
 use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
-use direct::{DirectInputs, ambient};
+use direct::{DirectInputs, ambient, resolved};
 use reports::{Pending, report};
 use shared::{SharedPasses, effect_image, indirect_denoiser};
 use steps::{irradiance, post_process, record_indirect, record_reflections};
@@ -77,6 +77,9 @@ pub enum RenderError {
 /// Draws a scene, frame by frame.
 pub struct Renderer {
     scene: Arc<Scene>,
+    /// As they were given.
+    asked: Settings,
+    /// With all choices made.
     settings: Settings,
     view: DebugView,
     bvh: TwoLevelBvh,
@@ -130,6 +133,8 @@ impl Renderer {
         let tracer = tracer_choice::choose(device.info(), settings.tracer)?;
         let PreparedScene { scene, anchor, mut bvh, bvh_ms } = prepared;
         let pose = &*pose.about(anchor);
+        let asked = settings.clone();
+        let settings = &resolved(&asked, pose);
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
@@ -148,6 +153,7 @@ impl Renderer {
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             settings: settings.clone(),
+            asked,
             view: DebugView::default(),
             views: ViewPasses::default(),
             bvh_ms,
@@ -174,6 +180,9 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
+        if resolved(&self.asked, pose) != self.settings {
+            self.set_settings(&self.asked.clone(), pose)?;
+        }
         let pose = &*pose.about(self.anchor);
         let clock = self.clock.next(pose, &self.clock_inputs());
         self.still = clock.still_frames();
@@ -325,6 +334,11 @@ impl Renderer {
     /// The point about which the renderer works: the origin, unless the scene is far from it.
     pub fn anchor(&self) -> Vec3 {
         self.anchor
+    }
+
+    /// The shadows of direct light in use: hard or soft.
+    pub fn direct(&self) -> Direct {
+        self.settings.direct
     }
 
     /// The tracer in use.

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::settings::Settings;
+use crate::settings::{Direct, Settings};
 use crate::statistics::percentile;
 use crate::vulkan::DeviceInfo;
 
@@ -129,6 +129,15 @@ pub enum RayTracer {
     Hardware,
 }
 
+/// What was made of the settings that leave a choice. Flat in reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Resolved {
+    /// The ray tracer.
+    pub tracer: RayTracer,
+    /// The shadows of direct light.
+    pub direct: Direct,
+}
+
 /// How long a scene took until it was ready to be rendered. Flat in reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LoadTimes {
@@ -147,9 +156,10 @@ pub struct RenderReport {
     pub device: String,
     /// Name and version of its driver.
     pub driver: String,
-    /// The ray tracer that was used.
-    pub tracer: RayTracer,
-    /// The settings that were used.
+    /// What was used.
+    #[serde(flatten)]
+    pub resolved: Resolved,
+    /// The settings as they were given.
     pub settings: Settings,
     /// See [`COMMIT`].
     pub commit: &'static str,
@@ -167,7 +177,7 @@ impl RenderReport {
     pub fn new(
         scene: &str,
         device: &DeviceInfo,
-        tracer: RayTracer,
+        resolved: Resolved,
         settings: &Settings,
         load: LoadTimes,
         frames: Vec<FrameReport>,
@@ -176,7 +186,7 @@ impl RenderReport {
             scene: scene.to_owned(),
             device: device.name.clone(),
             driver: device.driver.clone(),
-            tracer,
+            resolved,
             settings: settings.clone(),
             commit: COMMIT,
             load,
@@ -245,8 +255,8 @@ mod tests {
         let frames: Vec<_> = (0..2).map(frame).collect();
         let device = DeviceInfo { name: "some device".to_owned(), ..DeviceInfo::default() };
         let load = LoadTimes { load_ms: 12.0, bvh_ms: 3.0 };
-        let tracer = RayTracer::Software;
-        let report = RenderReport::new("cornell-box", &device, tracer, &Settings::default(), load, frames);
+        let resolved = Resolved { tracer: RayTracer::Software, direct: Direct::Soft };
+        let report = RenderReport::new("cornell-box", &device, resolved, &Settings::default(), load, frames);
         assert_eq!(report.headline(), "2 frames of cornell-box on some device, 0.5 ms a frame (median)");
         let json = serde_json::to_value(&report).unwrap();
         let keys = |value: &serde_json::Value| -> Vec<String> {
@@ -256,7 +266,8 @@ mod tests {
             names.sort_unstable();
             names.into_iter().map(str::to_owned).collect::<Vec<_>>()
         };
-        let top = vec!["scene", "device", "driver", "tracer", "settings", "commit", "frames", "summary"];
+        let top =
+            vec!["scene", "device", "driver", "tracer", "direct", "settings", "commit", "frames", "summary"];
         assert_eq!(keys(&json), sorted([top, vec!["load_ms", "bvh_ms"]].concat()));
         assert_eq!((&json["load_ms"], &json["bvh_ms"]), (&12.0.into(), &3.0.into()));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
@@ -269,5 +280,6 @@ mod tests {
         assert_eq!(keys(&json["summary"]["p95"]), sorted(figures));
         assert_eq!(json["settings"]["exposure"], "auto");
         assert_eq!(json["tracer"], "software");
+        assert_eq!((&json["direct"], &json["settings"]["direct"]), (&"soft".into(), &"auto".into()));
     }
 }

@@ -84,7 +84,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         "formats",
         &["activity", "builtin", "bvh", "untrusted", "memory", "sampling", "scene", "settings", "statistics"],
     ),
-    ("output", &["untrusted", "scene"]),
+    ("output", &["untrusted", "scene", "settings"]),
     ("metrics", &["untrusted", "output", "statistics"]),
     ("plot", &["output"]),
     ("reference", &["bsdf", "bvh", "memory", "output", "sampling", "scene", "settings"]),

@@ -15,8 +15,8 @@ struct FrameUniforms {
     uint seed;                     // of random numbers
     uint area_light_count;         // where these are sampled by rays
     float reflection_limit;        // roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never
-    uint pad0;
-    uint pad1;
+    float footprint;               // what of a pixel's width textures are averaged over
+    uint tone_map;                 // the tone curve
     uint pad2;
 };
 

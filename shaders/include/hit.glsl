@@ -39,11 +39,26 @@ struct HitSurface {
     bool front;     // whether the front side was hit
 };
 
-// The mip level for `sample_texture`: how much of an image the cone covers, where it is so wide and meets the surface at this
-// cosine. `edges`: two of a triangle's, on the image; `area`: of the parallelogram that they span in the world.
-float lod_of(vec4 edges, float area, float width, float cosine) {
-    float on_image = abs(edges.x * edges.w - edges.y * edges.z);
-    return 0.5 * log2(max(on_image, 1e-30) / area) + log2(max(width, 1e-30) / max(cosine, 1e-3));
+// Two edges of a triangle in the world and on its images, both sets of coordinates, from the first corner.
+struct Edges {
+    vec3 u;
+    vec3 v;
+    vec4 uvs_u;
+    vec4 uvs_v;
+};
+
+// How texture coordinates change along a vector in the triangle's plane, by the share of each edge in it. `area`: cross(u, v).
+vec4 along(Edges edges, vec3 area, vec3 vector) {
+    vec2 shares = vec2(dot(cross(vector, edges.v), area), dot(cross(edges.u, vector), area)) / max(dot(area, area), 1e-30);
+    return shares.x * edges.uvs_u + shares.y * edges.uvs_v;
+}
+
+// What a cone covers of a triangle, where it is so wide: its width across, longer the flatter it meets the surface.
+// `direction`: unit.
+Gradients footprint_of(Edges edges, vec3 area, vec3 normal, vec3 direction, float width) {
+    float cosine = abs(dot(normal, direction));
+    vec3 across = cosine < 0.9999 ? normalize(cross(normal, direction)) : normalize(edges.u);
+    return Gradients(along(edges, area, cross(across, normal) * (width / max(cosine, 1e-3))), along(edges, area, across * width));
 }
 
 // Everything of the surface at a hit of a ray, whose direction may have any length.
@@ -61,23 +76,26 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     HitSurface surface;
     vec3 local = a.position * weights.x + b.position * weights.y + c.position * weights.z;
     surface.position = transform_point(instance.object_to_world, local);
-    vec3 area = cross(transform_vector(instance.object_to_world, b.position - a.position),
-        transform_vector(instance.object_to_world, c.position - a.position));
-    area = instance.flips_winding == 1u ? -area : area;
+    Edges edges = Edges(transform_vector(instance.object_to_world, b.position - a.position),
+        transform_vector(instance.object_to_world, c.position - a.position), (b.uv - a.uv).xyxy, (c.uv - a.uv).xyxy);
+    vec3 plane = cross(edges.u, edges.v);
+    vec3 area = instance.flips_winding == 1u ? -plane : plane;
     surface.front = dot(area, direction) < 0.0;
     float doubled_area = max(length(area), 1e-30);
     surface.geometric = (surface.front ? area : -area) / doubled_area;
 
-    // Texture coordinates, and how large the cone is on the image.
+    // Texture coordinates, and what of them the cone covers.
     mat3x2 first_set = mat3x2(a.uv, b.uv, c.uv);
     vec4 uvs = (first_set * weights).xyxy;
     float length_of_ray = length(direction);
-    float width = cone.width + cone.spread * hit.t * length_of_ray;
-    float cosine = -dot(surface.geometric, direction) / length_of_ray;
-    float lod = lod_of(vec4(b.uv - a.uv, c.uv - a.uv), doubled_area, width, cosine);
     if (uses_second_uvs(material)) {
-        uvs.zw = mat3x2(second_uvs.data[places.x], second_uvs.data[places.y], second_uvs.data[places.z]) * weights;
+        mat3x2 second = mat3x2(second_uvs.data[places.x], second_uvs.data[places.y], second_uvs.data[places.z]);
+        uvs.zw = second * weights;
+        edges.uvs_u.zw = second[1] - second[0];
+        edges.uvs_v.zw = second[2] - second[0];
     }
+    float width = cone.width + cone.spread * hit.t * length_of_ray;
+    Gradients footprint = footprint_of(edges, plane, surface.geometric, direction / length_of_ray, width);
 
     // Reflection and emission.
     surface.colour = vec4(1.0);
@@ -86,11 +104,11 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
             unpack_halves(vertex_colours.data[places.z])) * weights;
     }
     vec3 vertex_colour = surface.colour.rgb;
-    if (material.base_texture.image > 0u) surface.colour *= sample_texture(material.base_texture, uvs, lod);
+    if (material.base_texture.image > 0u) surface.colour *= sample_texture(material.base_texture, uvs, footprint);
     surface.bsdf = Bsdf(material.base.rgb * surface.colour.rgb, material.base.w, material.reflectance.rgb,
         material.reflectance.w, material.emission.w);
     if (material.metallic_roughness_texture.image > 0u) {
-        vec2 data = sample_texture(material.metallic_roughness_texture, uvs, lod).gb;
+        vec2 data = sample_texture(material.metallic_roughness_texture, uvs, footprint).gb;
         surface.bsdf.roughness *= data.x;
         surface.bsdf.metallic *= data.y;
     }
@@ -98,7 +116,7 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
         emits_on(material, surface.front) ? material.emission.rgb * instance.emission.rgb : vec3(0.0);
     if ((material.flags & UNLIT) != 0u) surface.emission *= vertex_colour;
     if (material.emission_texture.image > 0u && surface.emission != vec3(0.0)) {
-        surface.emission *= sample_texture(material.emission_texture, uvs, lod).rgb;
+        surface.emission *= sample_texture(material.emission_texture, uvs, footprint).rgb;
     }
 
     // The shading normal.
@@ -108,7 +126,7 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     surface.shading = dot(vertex_normal, surface.geometric) < 0.0 ? -vertex_normal : vertex_normal;
     if (material.normal_texture.image > 0u) {
         vec4 tangent = mat3x4(unpack_tangent(a.tangent), unpack_tangent(b.tangent), unpack_tangent(c.tangent)) * weights;
-        vec3 texel = sample_texture(material.normal_texture, uvs, lod).rgb;
+        vec3 texel = sample_texture(material.normal_texture, uvs, footprint).rgb;
         vec3 mapped = mapped_normal(normal, tangent, texel, material.normal_scale);
         mapped = normalize(transform_normal(instance.world_to_object, mapped));
         if (tangent.w != 0.0) surface.shading = seen_normal(vertex_normal, mapped, surface.geometric);

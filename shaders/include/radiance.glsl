@@ -13,7 +13,7 @@ layout(set = 0, binding = 8, rgba16f) uniform readonly image2D thin_albedo;
 layout(set = 0, binding = 9, rgba16f) uniform readonly image2D thin_transmittance;
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2D reflection;
 
-// a: 0 where no surface is.
+// a: how much the pixel counts for automatic exposure.
 vec4 radiance_at(ivec2 pixel, vec3 irradiance) {
     vec4 light = imageLoad(direct, pixel);
     vec4 albedo_roughness = imageLoad(gbuffer_albedo, pixel);

@@ -8,6 +8,10 @@ const uint WRAP_MIRROR = 1u;
 const uint WRAP_CLAMP = 2u;
 // Beside them: where the image is magnified, the nearest texel shows.
 const uint NEAREST = 64u;
+// Where it is minified: the nearest texel of a level, the nearest level, the first level alone.
+const uint MINIFIED_NEAREST = 128u;
+const uint NEAREST_LEVEL = 256u;
+const uint FIRST_LEVEL = 512u;
 
 float wrapped(float x, uint mode) {
     if (mode == WRAP_CLAMP) return clamp(x, 0.0, 1.0);

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Direct light of point, spot and directional lights, by both lobes of the BSDF; what surfaces emit; the environment behind them.
-// Out: radiance; a: 1 where a surface is; and the directional albedo of the GGX lobe.
+// Out: radiance; a: how much it counts for automatic exposure; and the directional albedo of the GGX lobe.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -50,20 +50,23 @@ vec3 soft_shadowed(ShadingPoint point, ivec2 pixel) {
     return radiance * imageLoad(shadow, pixel).rgb;
 }
 
-vec3 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
+// What shines itself counts for automatic exposure by this, and what is behind all surfaces not at all. Twin: src/reference/film.rs.
+const float SHARE_OF_LIGHTS = 1.0 / 16.0;
+
+vec4 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
     ShadingPoint point = shading_point_at(pixel, id);
     specular = point.is_glossy ? point.reflection.reflected : vec3(0.0);
     vec3 lit = SOFT_SHADOWS ? soft_shadowed(point, pixel) : hard_shadowed(point, pixel);
-    return unpack_emission(texelFetch(gbuffer_surface, pixel, 0).y) + lit;
+    vec3 emission = unpack_emission(texelFetch(gbuffer_surface, pixel, 0).y);
+    return vec4(emission + lit, emission == vec3(0.0) ? 1.0 : SHARE_OF_LIGHTS);
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    bool is_surface = id.x != 0u;
     vec3 specular = vec3(0.0);
-    vec3 radiance = is_surface ? radiance_of(id, pixel, specular) : environment_radiance(pixel_ray(vec2(pixel)));
+    vec4 radiance = id.x != 0u ? radiance_of(id, pixel, specular) : vec4(environment_radiance(pixel_ray(vec2(pixel))), 0.0);
     imageStore(specular_albedo, pixel, rounded(vec4(specular, 0.0)));
-    imageStore(direct, pixel, storable(vec4(radiance, is_surface ? 1.0 : 0.0)));
+    imageStore(direct, pixel, storable(radiance));
 }

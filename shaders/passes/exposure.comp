@@ -1,10 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Automatic exposure: the log-average luminance, without the darkest and brightest tenth of the picture, becomes middle grey
-// (Reinhard et al. 2002); at once, or frame by frame. Each workgroup counts its pixels into a histogram in shared memory and adds
-// that to the picture's; the last one to do so reduces it and leaves it empty. In: the picture. Out: the factor of radiance.
+// Automatic exposure: the median of the pixels' brightest channels becomes middle grey, less where more than 2 % of the pixels would be
+// white; at once, or frame by frame. Each workgroup counts its pixels into a histogram in shared memory and adds that to the picture's;
+// the last one to do so reads it and leaves it empty. In: the picture. Out: the factor of radiance. Twin: src/output/tone_map.rs.
 #include "frame.glsl"
+#include "tone_map.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 
@@ -17,25 +18,37 @@ layout(push_constant) uniform Push { float stops; uint automatic; float pace; } 
 // Every STEP-th pixel of every STEP-th row counts: it is for an average. Twin: `STEP` in src/passes/combine.rs.
 const uint STEP = 4u;
 const float MIDDLE_GREY = 0.18;
+// The percentile that is kept below white, and by how many stops at most the picture gets darker for it.
+const float BRIGHT = 0.985;
+const float MOST_DIMMED = 2.0;
 // Stops that nobody sees: the last step goes all the way, so that a picture converges.
 const float UNSEEN = 0.02;
 
 shared uint counts[256];
-// Pixels up to each bin; then the weighted sum of log2 luminance, and of weights.
+// Pixels up to each bin.
 shared float cumulative[256];
-shared vec2 sums[256];
+// log2 of the median, and of what is kept below white.
+shared float percentiles[2];
 shared bool is_last;
 
 void count(uvec2 pixel) {
     if (any(greaterThanEqual(pixel, frame.size))) return;
     vec4 radiance = texelFetch(picture, ivec2(pixel), 0);
-    // Eight bins a stop over 2^-16 .. 2^16; what is black or background does not count.
-    float l = luminance(radiance.rgb);
-    if (l > 0.0 && radiance.a > 0.0) atomicAdd(counts[uint(clamp(log2(l) * 8.0 + 128.0, 0.0, 255.0))], 1u);
+    // Eight bins a stop over 2^-16 .. 2^16; black does not count.
+    float brightest = max(radiance.r, max(radiance.g, radiance.b));
+    if (brightest <= 0.0) return;
+    atomicAdd(counts[uint(clamp(log2(brightest) * 8.0 + 128.0, 0.0, 255.0))], uint(round(16.0 * radiance.a)));
 }
 
-// The mean of log2 luminance between the tenths; 256 threads.
-vec2 reduced(uint i, float own) {
+// Finds the percentile in the bin of this thread.
+void find(uint i, float own, float share, uint place) {
+    float wanted = share * cumulative[255];
+    float before = cumulative[i] - own;
+    if (before < wanted && wanted <= cumulative[i]) percentiles[place] = (float(i) + (wanted - before) / own - 128.0) / 8.0;
+}
+
+// log2 of the factor, by 256 threads; 0 where no pixel counts.
+float stops(uint i, float own) {
     cumulative[i] = own;
     barrier();
     for (uint step = 1u; step < 256u; step *= 2u) {
@@ -44,15 +57,12 @@ vec2 reduced(uint i, float own) {
         cumulative[i] += before;
         barrier();
     }
-    float total = cumulative[255];
-    float kept = max(min(cumulative[i], 0.9 * total) - max(cumulative[i] - own, 0.1 * total), 0.0);
-    sums[i] = kept * vec2((float(i) + 0.5 - 128.0) / 8.0, 1.0);
+    find(i, own, 0.5, 0u);
+    find(i, own, BRIGHT, 1u);
     barrier();
-    for (uint step = 128u; step > 0u; step /= 2u) {
-        if (i < step) sums[i] += sums[i + step];
-        barrier();
-    }
-    return sums[0];
+    if (cumulative[255] == 0.0) return 0.0;
+    float middle = log2(MIDDLE_GREY) - percentiles[0];
+    return min(middle, max(log2(white_of_curve()) - percentiles[1], middle - MOST_DIMMED));
 }
 
 void main() {
@@ -74,10 +84,9 @@ void main() {
     if (!is_last) return;
 
     memoryBarrierBuffer();
-    vec2 sum = reduced(i, float(atomicExchange(histogram.bins[i], 0u)));
+    float target = exp2(stops(i, float(atomicExchange(histogram.bins[i], 0u))));
     if (i != 0u) return;
     histogram.finished = 0u;
-    float target = sum.y > 0.0 ? MIDDLE_GREY / exp2(sum.x / sum.y) : 1.0;
     float before = exposure.factor;
     float way = log2(target / before);
     exposure.factor = push.pace >= 1.0 || abs(way) < UNSEEN ? target : before * exp2(push.pace * way);

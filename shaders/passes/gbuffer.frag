@@ -6,6 +6,7 @@
 #include "scene_set.glsl"
 #include "gbuffer.glsl"
 #include "gbuffer_draw.glsl"
+#include "footprint.glsl"
 #include "mask.glsl"
 #include "bsdf.glsl"
 #include "shading_normal.glsl"
@@ -37,19 +38,16 @@ vec3 diffuse_albedo(Bsdf bsdf, vec3 normal, vec3 to_eye) {
 
 vec2 coordinates(TextureUse use) { return DETAILED ? coordinates_of(use, uvs) : uvs.xy; }
 
-// Of both sets of texture coordinates, from pixel to pixel.
-struct Gradients {
-    vec4 right;
-    vec4 down;
-};
-
-// A material's texture. Coordinates are transformed by what a buffer holds, which helper invocations may read as 0, so the mip level
+// A material's texture. Coordinates are transformed by what a buffer holds, which helper invocations may read as 0, so its footprint
 // follows from the gradients of those of the vertices.
 vec4 sampled(sampler2D image, TextureUse use, Gradients gradients) {
-    if (!DETAILED) return texture(image, uvs.xy);
-    vec2 right = coordinates_of(use, gradients.right) - use.offset;
-    vec2 down = coordinates_of(use, gradients.down) - use.offset;
-    return textureGrad(image, coordinates_of(use, uvs), right, down);
+    vec2 right = DETAILED ? change_of(use, gradients.right) : gradients.right.xy;
+    vec2 down = DETAILED ? change_of(use, gradients.down) : gradients.down.xy;
+    Taps taps = taps_of(use, right, down, vec2(textureSize(image, 0)));
+    vec2 start = coordinates(use) - taps.axis * (0.5 * taps.count);
+    vec4 sum = vec4(0.0);
+    for (float tap = 0.5; tap < taps.count; tap++) sum += textureLod(image, start + taps.axis * tap, taps.lod);
+    return sum / taps.count;
 }
 
 // The shading normal on the side that is seen, which `geometric` is on.
@@ -74,7 +72,7 @@ vec2 motion() {
 void main() {
     // Taken before any branch and discard: derivatives need the whole quad.
     vec3 geometric = cross(dFdx(position_ws), dFdy(position_ws));
-    Gradients gradients = Gradients(dFdx(uvs), dFdy(uvs));
+    Gradients gradients = Gradients(frame.footprint * dFdx(uvs), frame.footprint * dFdy(uvs));
     Bsdf bsdf = Bsdf(material.base.rgb * sampled(base_texture, material.base_texture, gradients).rgb, material.base.w, material.reflectance.rgb,
         material.reflectance.w, material.emission.w);
     vec3 emission = material.emission.rgb;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Direct and indirect light together. Out: radiance towards the eye; a: 1 where a surface is.
+// Direct and indirect light together. Out: radiance towards the eye; a: how much the pixel counts for automatic exposure.
 #include "frame.glsl"
 #include "radiance.glsl"
 #include "rounded.glsl"

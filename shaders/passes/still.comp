@@ -11,7 +11,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 2) uniform texture2D sampled_irradiance;
-// The denoised picture before, unless that is `antialiased`; a: 1 where a surface is.
+// The denoised picture before, unless that is `antialiased`; a: how much the pixel counts for automatic exposure.
 layout(set = 0, binding = 4, rgba16f) uniform image2D picture;
 layout(set = 0, binding = 5, rgba16f) uniform readonly image2D antialiased;
 // a: sum of the squared differences of luminance from its mean (Welford 1962).
@@ -64,6 +64,6 @@ void main() {
     }
     vec4 denoised = push.is_antialiased == 1u ? imageLoad(antialiased, pixel) : imageLoad(picture, pixel);
     float weight = count > 0.0 ? weight_of(average, count) : 0.0;
-    float surface = imageLoad(direct, pixel).a;
-    imageStore(picture, pixel, storable(vec4(mix(denoised.rgb, average.rgb, weight), surface)));
+    float counts = imageLoad(direct, pixel).a;
+    imageStore(picture, pixel, storable(vec4(mix(denoised.rgb, average.rgb, weight), counts)));
 }

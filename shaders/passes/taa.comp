@@ -2,8 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Temporal antialiasing (Karis 2014, Salvi 2016): each frame samples pixels at another position; history follows what moves and
-// stays within the colours of the 3x3 pixels around. In: radiance, motion, depth, history. Out: both blended; a: share of the pixel
-// that shows surfaces.
+// stays within the colours of the 3x3 pixels around. In: radiance, motion, depth, history. Out: both blended.
 #include "frame.glsl"
 #include "ycocg.glsl"
 #include "rounded.glsl"

@@ -69,7 +69,7 @@ void main() {
     while (shown < MOST_THIN_SURFACES && transmittance != vec3(0.0)) {
         if (!trace_thin_surface(frame.eye.xyz, direction, start, end, hit)) break;
         start = just_behind(hit.t);
-        HitSurface met = surface_of(hit, direction, RayCone(0.0, push.spread));
+        HitSurface met = surface_of(hit, direction, RayCone(0.0, push.spread * frame.footprint));
         if (!met.front && (materials.data[hit.material].flags & SINGLE_SIDED) != 0u) continue;
         shown++;
         Reflection reflection = prepare_bsdf(met.bsdf, met.shading, to_eye);

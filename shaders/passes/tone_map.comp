@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Radiance to what is shown: exposure, filmic curve and sRGB transfer function.
+// Radiance to what is shown: exposure, tone curve and sRGB transfer function.
 #include "frame.glsl"
 #include "tone_map.glsl"
 

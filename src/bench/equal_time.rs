@@ -12,7 +12,7 @@ use super::summary::{Noise, Summary};
 use super::{Bench, BenchError, Control};
 use crate::estimators;
 use crate::metrics::Comparison;
-use crate::output::{Picture, automatic_exposure, tone_map};
+use crate::output::{Picture, Tones, automatic_exposure, tone_map};
 use crate::plot::magma;
 use crate::settings::Settings;
 use crate::statistics::percentile;
@@ -121,9 +121,10 @@ fn at_time(
     }
     let comparison = compare_with(&trial.picture, reference)?;
     let map = flip_map(&comparison);
-    let exposure = automatic_exposure(reference, std::iter::repeat(true)).log2();
-    let stops = Some(trial.settings.exposure.unwrap_or(exposure));
-    tone_map(&mut trial.picture, stops, std::iter::repeat(true));
+    let mut tones = Tones::from(&trial.settings);
+    let exposure = automatic_exposure(reference, tones.curve, std::iter::repeat(1.0)).log2();
+    tones.exposure = tones.exposure.or(Some(exposure));
+    tone_map(&mut trial.picture, tones, std::iter::repeat(1.0));
     let cost = estimators::method(&trial.settings).cost.filter(|_| trial.method.samples().is_none());
     let equal = EqualTime {
         scene: run.scene.clone(),

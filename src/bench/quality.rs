@@ -12,7 +12,7 @@ use super::{BenchError, Control};
 use crate::metrics::{CompareOptions, Comparison, Image, compare, temporal_error};
 use crate::output::{Picture, automatic_exposure, tone_map};
 use crate::reference::{Reference, ReferenceSettings};
-use crate::settings::Settings;
+use crate::settings::{Settings, ToneMap};
 
 /// Pictures to compare in each run.
 const FRAMES: u32 = 4;
@@ -64,7 +64,7 @@ impl ReferencePictures {
             let reference = Reference::new(&scene.scene, &pose, &tracer);
             let film = trace(&reference, settings.size, plan.spp, control)?;
             let mut picture = film.picture();
-            tone_map(&mut picture, settings.exposure, film.covered());
+            tone_map(&mut picture, settings.into(), film.metered());
             pictures.push((frame, picture));
         }
         Ok(Self { settings: tracer, frames: pictures })
@@ -105,7 +105,7 @@ pub(super) fn reference_settings(settings: &Settings) -> ReferenceSettings {
 
 /// Compares a picture with the path tracer's, at the exposure of the latter.
 pub(super) fn compare_with(picture: &Picture, reference: &Picture) -> Result<Comparison, BenchError> {
-    let exposure = automatic_exposure(reference, std::iter::repeat(true)).log2();
+    let exposure = automatic_exposure(reference, ToneMap::None, std::iter::repeat(1.0)).log2();
     let options = CompareOptions { exposure, ..CompareOptions::default() };
     Ok(compare(&image(picture)?, &image(reference)?, &options)?)
 }

@@ -13,7 +13,7 @@ use super::run::Round;
 use super::samples::Samples;
 use super::{BenchError, Control};
 use crate::estimators;
-use crate::output::{Picture, tone_map};
+use crate::output::{Picture, Tones, tone_map};
 use crate::reference::{Film, Reference, ReferenceSettings};
 use crate::renderer::{PreparedScene, Renderer};
 use crate::report::FrameFigures;
@@ -66,7 +66,7 @@ pub(super) enum FrameSource {
 pub(super) struct PathTracer {
     scene: Arc<Scene>,
     settings: ReferenceSettings,
-    exposure: Option<f32>,
+    tones: Tones,
     samples: u32,
     picture: Picture,
 }
@@ -84,7 +84,7 @@ impl FrameSource {
             Some(samples) => Self::PathTracer(PathTracer {
                 scene: Arc::clone(&scene.scene),
                 settings: ReferenceSettings::like(settings),
-                exposure: settings.exposure,
+                tones: settings.into(),
                 samples,
                 picture: Picture::default(),
             }),
@@ -158,7 +158,7 @@ impl PathTracer {
         let begun = Instant::now();
         let film = trace(&reference, self.settings.size, self.samples, control)?;
         self.picture = film.picture();
-        tone_map(&mut self.picture, self.exposure, film.covered());
+        tone_map(&mut self.picture, self.tones, film.metered());
         Ok(begun.elapsed().as_secs_f64() * 1e3)
     }
 }

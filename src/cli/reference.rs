@@ -9,7 +9,7 @@ use super::options::{CameraOptions, FileOptions};
 use super::progress::interruption;
 use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, progress, say};
-use crate::output::{OutputFile, Picture, PictureTarget, tone_map};
+use crate::output::{OutputFile, Picture, PictureTarget, Tones, tone_map};
 use crate::reference::{Film, Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
 use crate::report::{COMMIT, LoadTimes};
 use crate::scene::Scene;
@@ -49,6 +49,9 @@ pub(super) struct ReferenceOptions {
     /// Exposure of a .png in stops, or auto. Otherwise the scene's, or auto.
     #[arg(long, value_name = "EV|auto", value_parser = parser_of("exposure"), allow_negative_numbers = true)]
     pub exposure: Option<String>,
+    /// Tone curve of a .png. Otherwise the scene's, or aces.
+    #[arg(long, value_name = "NAME", value_parser = parser_of("tone_map"))]
+    pub tone_map: Option<String>,
     #[command(flatten)]
     pub camera: CameraOptions,
     /// Picture to write: .exr (linear, 32 bits) or .png (tone-mapped, 8 bits). It is saved periodically, so that an
@@ -88,7 +91,11 @@ struct ReferenceReport {
 
 /// Renders the reference.
 pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
-    let given = options.scene.given(&[("seed", &options.seed), ("exposure", &options.exposure)]);
+    let given = options.scene.given(&[
+        ("seed", &options.seed),
+        ("exposure", &options.exposure),
+        ("tone_map", &options.tone_map),
+    ]);
     options.camera.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
     if options.resume && !target.is_linear() {
@@ -128,7 +135,7 @@ struct Run<'a> {
     target: PictureTarget,
     identity: Identity,
     settings: ReferenceSettings,
-    exposure: Option<f32>,
+    tones: Tones,
     /// Samples per pixel before this run.
     resumed: u64,
     load: LoadTimes,
@@ -148,7 +155,7 @@ impl<'a> Run<'a> {
             camera: options.camera.parts(),
             layers: options.layers,
         };
-        let exposure = settings.exposure;
+        let tones = settings.into();
         let settings = ReferenceSettings {
             size: settings.size,
             bounces,
@@ -156,7 +163,7 @@ impl<'a> Run<'a> {
             filter: options.pixel_filter,
             layers: options.layers,
         };
-        Self { options, target, identity, settings, exposure, resumed: 0, load: LoadTimes::default() }
+        Self { options, target, identity, settings, tones, resumed: 0, load: LoadTimes::default() }
     }
 
     /// An empty film, or with --resume that of the file.
@@ -234,7 +241,7 @@ impl<'a> Run<'a> {
         let note = serde_json::to_string(&self.progress(film)).unwrap_or_default();
         picture.notes.insert(NOTE.to_owned(), note);
         if !self.target.is_linear() {
-            tone_map(&mut picture, self.exposure, film.covered());
+            tone_map(&mut picture, self.tones, film.metered());
         }
         self.target.write(&picture, self.options.frame)?;
         Ok(())

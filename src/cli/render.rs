@@ -13,7 +13,7 @@ use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplDebugView
 use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
-use crate::report::{FrameReport, LoadTimes, RenderReport};
+use crate::report::{FrameReport, LoadTimes, RenderReport, Resolved};
 use crate::scene::luminance;
 use crate::settings::{GivenSettings, Settings, read_seconds};
 
@@ -165,11 +165,12 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     for warning in replay.renderer().warnings() {
         say::warning(&format!("{}: {warning}", scene.name));
     }
-    let tracer = replay.renderer().tracer();
+    let renderer = replay.renderer();
+    let resolved = Resolved { tracer: renderer.tracer(), direct: renderer.direct() };
     drop(replay);
     device::check_validation(&device.validation_messages())?;
     let info = device.info();
-    let report = RenderReport::new(&scene.name, info, tracer, &settings, load, reports);
+    let report = RenderReport::new(&scene.name, info, resolved, &settings, load, reports);
     if let Some(json) = json {
         json.save_json(&report)?;
     }

@@ -129,7 +129,7 @@ fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
             continue;
         }
         let mut picture = film.picture();
-        tone_map(&mut picture, key.settings.exposure, film.covered());
+        tone_map(&mut picture, (&key.settings).into(), film.metered());
         let error = film.standard_error().map(|error| error / film.mean_luminance());
         let shot = Shot { size: key.settings.size, pixels: picture.display };
         let progress = Progress { shot, samples: film.samples(), error, elapsed: begun.elapsed() };
@@ -165,7 +165,7 @@ mod tests {
             assert!(reference.add_sample(&mut film, &AtomicBool::new(false)));
         }
         let mut picture = film.picture();
-        tone_map(&mut picture, settings.exposure, film.covered());
+        tone_map(&mut picture, (&settings).into(), film.metered());
         let reference = Shot { size: settings.size, pixels: picture.display };
         let progress: Vec<Progress> = run.progress.iter().collect();
         let (first, last) = (&progress[0], progress.last().unwrap());

@@ -135,11 +135,36 @@ pub(crate) fn is_deep(image: &DynamicImage) -> bool {
     !matches!(image.color(), L8 | La8 | Rgb8 | Rgba8)
 }
 
-/// The texture of an image: of colour, which integers encode as sRGB and floats as it is, or of data.
-pub(crate) fn texture(name: &str, image: &DynamicImage, data: bool) -> Texture {
+/// What the texels of an image are.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Content {
+    /// Numbers.
+    Data,
+    /// Colours, which integers encode as sRGB and floats as it is, and the share of the surface that is there.
+    Colour,
+    /// Colours of a surface that is whole, whatever the alpha of the image.
+    OpaqueColour,
+}
+
+/// The texture of an image; `mask`: what colours have in place of its alpha.
+pub(crate) fn texture(
+    name: &str,
+    image: &DynamicImage,
+    content: Content,
+    mask: Option<&AlphaMask>,
+) -> Texture {
     let (width, height) = (image.width(), image.height());
+    let data = content == Content::Data;
+    let alpha = |place: usize, own: f32| match (content, mask) {
+        (Content::OpaqueColour, _) => 1.0,
+        (_, Some(mask)) => mask.texel_of([width, height], place),
+        (_, None) => own,
+    };
     if !is_deep(image) {
-        let texels = image.to_rgba8().into_raw();
+        let mut texels = image.to_rgba8().into_raw();
+        for (place, texel) in texels.chunks_exact_mut(4).enumerate() {
+            texel[3] = (alpha(place, f32::from(texel[3]) / 255.0) * 255.0).round() as u8;
+        }
         return match data {
             true => Texture::linear_from_rgba8(name, width, height, texels),
             false => Texture::from_rgba8(name, width, height, texels),
@@ -147,11 +172,11 @@ pub(crate) fn texture(name: &str, image: &DynamicImage, data: bool) -> Texture {
     }
     let is_float = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
     let decoded = |value: f32| if data || is_float { value } else { srgb_decoded(value) };
-    let texel = |texel: &image::Rgba<f32>| {
+    let texel = |(place, texel): (usize, &image::Rgba<f32>)| {
         let [r, g, b, a] = texel.0;
-        Vec4::new(decoded(r), decoded(g), decoded(b), a.clamp(0.0, 1.0))
+        Vec4::new(decoded(r), decoded(g), decoded(b), alpha(place, a.clamp(0.0, 1.0)))
     };
-    let texels: Vec<Vec4> = image.to_rgba32f().pixels().map(texel).collect();
+    let texels: Vec<Vec4> = image.to_rgba32f().pixels().enumerate().map(texel).collect();
     Texture::half_from_rgba(name, [width, height], &texels, data)
 }
 

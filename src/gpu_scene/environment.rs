@@ -40,7 +40,7 @@ impl EnvironmentTexture {
         let modes = [vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE];
         Ok(Self {
             image: Image::with_levels(device, "environment", format, &[level])?,
-            sampler: Sampler::for_textures(device, modes, false)?,
+            sampler: Sampler::linear(device, modes)?,
             distribution: Buffer::with_data(device, "environment_distribution", &distribution)?,
             map,
             scale,

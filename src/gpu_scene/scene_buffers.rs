@@ -14,9 +14,10 @@ use super::structs::{
 };
 use super::{Named, to_u32};
 use crate::bvh::gpu::rows;
-use crate::scene::{Material, Pose, Scene, Texture, TextureUse, Wrap};
+use crate::scene::{Material, Minified, MipLevels, Pose, Scene, Texture, TextureUse, Wrap};
 use crate::vulkan::{
-    Buffer, Device, Frame, GraphicsPipeline, Image, MaterialSets, Mirror, Sampler, VulkanError, vk,
+    Buffer, Device, Frame, GraphicsPipeline, Image, MaterialSets, Mirror, Sampler, SamplerDescription,
+    VulkanError, vk,
 };
 
 /// The scene in device memory.
@@ -79,7 +80,7 @@ impl SceneBuffers {
         )?);
         let white = textures.len() - 1;
         let place = |texture: Option<TextureUse>| {
-            texture.map_or((white, PLAIN), |texture| (texture.texture, (texture.wrap, texture.nearest)))
+            texture.map_or((white, Sampling::default()), |texture| (texture.texture, Sampling::of(texture)))
         };
         let first_triangles = first_triangles(scene);
         Ok(Self {
@@ -248,19 +249,45 @@ fn vertex_colours(scene: &Scene) -> Vec<Option<Vec3>> {
 /// What of the G-buffer's shader a material needs: see [`variants`](SceneBuffers::variants).
 fn variant(material: &Material, colour: Option<Vec3>) -> usize {
     let is_plain = |texture: TextureUse| {
-        let TextureUse { wrap, nearest, .. } = texture;
-        TextureUse { wrap, nearest, ..texture.texture.into() } == texture
+        let TextureUse { wrap, nearest, minified, .. } = texture;
+        TextureUse { wrap, nearest, minified, ..texture.texture.into() } == texture
     };
     let detailed =
         colour.is_some() || material.normal_texture.is_some() || !material.textures().all(is_plain);
     usize::from(material.alpha_mask.is_some()) | usize::from(detailed) << 1
 }
 
-/// How a texture is read: wrap modes along u and v, and whether the nearest texel shows where it is magnified.
-type Sampling = ([Wrap; 2], bool);
+/// How a texture is read, but for its coordinates: see [`TextureUse`].
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
+struct Sampling {
+    wrap: [Wrap; 2],
+    nearest: bool,
+    minified: Minified,
+}
 
-/// Repeating and interpolated.
-const PLAIN: Sampling = (Wrap::REPEAT, false);
+impl Sampling {
+    fn of(TextureUse { wrap, nearest, minified, .. }: TextureUse) -> Self {
+        Self { wrap, nearest, minified }
+    }
+
+    fn description(self) -> SamplerDescription {
+        let filter = |nearest: bool| if nearest { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+        SamplerDescription {
+            modes: self.wrap.map(|mode| match mode {
+                Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
+                Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+                Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+            }),
+            magnified: filter(self.nearest),
+            minified: filter(self.minified.nearest),
+            levels: match self.minified.levels {
+                MipLevels::Interpolated => Some(vk::SamplerMipmapMode::LINEAR),
+                MipLevels::Nearest => Some(vk::SamplerMipmapMode::NEAREST),
+                MipLevels::First => None,
+            },
+        }
+    }
+}
 
 fn format_of(texture: &Texture) -> vk::Format {
     match (texture.half, texture.linear) {
@@ -273,16 +300,10 @@ fn format_of(texture: &Texture) -> vk::Format {
 /// A sampler for each way in use, and the plain one.
 fn samplers(device: &Arc<Device>, scene: &Scene) -> Result<HashMap<Sampling, Sampler>, VulkanError> {
     let mut samplers = HashMap::new();
-    let used = scene.materials.iter().flat_map(Material::textures);
-    let used = used.map(|texture| (texture.wrap, texture.nearest));
-    for (wrap, nearest) in used.chain([PLAIN]) {
-        if let Entry::Vacant(place) = samplers.entry((wrap, nearest)) {
-            let modes = wrap.map(|mode| match mode {
-                Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
-                Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
-                Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
-            });
-            place.insert(Sampler::for_textures(device, modes, nearest)?);
+    let used = scene.materials.iter().flat_map(Material::textures).map(Sampling::of);
+    for sampling in used.chain([Sampling::default()]) {
+        if let Entry::Vacant(place) = samplers.entry(sampling) {
+            place.insert(Sampler::new(device, &sampling.description())?);
         }
     }
     Ok(samplers)

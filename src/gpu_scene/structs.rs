@@ -6,7 +6,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::bvh::Ray;
 use crate::bvh::gpu::sampler_bits;
-use crate::scene::TextureUse;
+use crate::scene::{Minified, MipLevels, TextureUse};
 
 /// A [`Ray`] as shaders have it; `GpuRay` in shaders/include/ray.glsl. 32 bytes.
 #[repr(C)]
@@ -60,10 +60,10 @@ pub struct FrameUniforms {
     pub area_light_count: u32,
     /// Roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never.
     pub reflection_limit: f32,
-    /// Unused.
-    pub pad0: u32,
-    /// Unused.
-    pub pad1: u32,
+    /// What of a pixel's width textures are averaged over.
+    pub footprint: f32,
+    /// The tone curve: see [`ToneMap`](crate::settings::ToneMap).
+    pub tone_map: u32,
     /// Unused.
     pub pad2: u32,
 }
@@ -157,9 +157,21 @@ impl From<TextureUse> for TextureUseData {
             matrix: Vec4::from_array(texture.matrix.to_cols_array()),
             offset: texture.offset,
             image: super::to_u32(texture.texture) + 1,
-            modes: sampler_bits(texture.wrap, texture.nearest) | (texture.set as u32) << 4,
+            modes: sampler_bits(texture.wrap, texture.nearest)
+                | (texture.set as u32) << 4
+                | minified_bits(texture.minified),
         }
     }
+}
+
+/// How an image is read where it is minified; twin: shaders/include/wrap.glsl.
+fn minified_bits(minified: Minified) -> u32 {
+    let levels = match minified.levels {
+        MipLevels::Interpolated => 0,
+        MipLevels::Nearest => 256,
+        MipLevels::First => 512,
+    };
+    u32::from(minified.nearest) << 7 | levels
 }
 
 /// A point, spot or directional light; `LightData` in shaders/include/lights.glsl.
@@ -250,8 +262,8 @@ pub(crate) mod tests {
             seed,
             area_light_count,
             reflection_limit,
-            pad0,
-            pad1,
+            footprint,
+            tone_map,
             pad2
         );
     }

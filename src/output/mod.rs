@@ -16,4 +16,4 @@ pub use file::{Growing, OutputFile};
 pub use numbered::NumberedPath;
 pub use picture::{Layer, Picture};
 pub use target::PictureTarget;
-pub use tone_map::{automatic_exposure, tone_map};
+pub use tone_map::{Tones, automatic_exposure, tone_map};

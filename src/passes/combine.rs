@@ -1,5 +1,5 @@
 //! `combine`: direct light plus the albedo of both lobes over pi times indirect irradiance, all behind thin surfaces. Once edges are
-//! smoothed: exposure, filmic tone map, sRGB.
+//! smoothed: exposure, tone map, sRGB.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -109,7 +109,8 @@ impl CombinePass {
         &self.factor
     }
 
-    /// The picture of the last frame as radiance before edges are smoothed, or of a still scene; RGBA16F; a: 1 where a surface is.
+    /// The picture of the last frame as radiance before edges are smoothed, or of a still scene; RGBA16F; a: how much a pixel counts for
+    /// automatic exposure.
     pub fn radiance(&self) -> &Image {
         &self.radiance
     }

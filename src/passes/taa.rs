@@ -29,7 +29,7 @@ impl TaaPass {
         Ok(Self {
             blend: ComputePipeline::new(device, "taa", shaders::TAA_COMP)?,
             history: History::new(|_| storage_image(device, "antialiased", halves, extent))?,
-            sampler: Sampler::for_textures(device, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2], false)?,
+            sampler: Sampler::linear(device, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 2])?,
             frames: 0,
         })
     }

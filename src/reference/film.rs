@@ -72,6 +72,8 @@ pub struct Film {
     layers: Vec<LayerSums>,
     /// Instance at the centre of each pixel, -1 for none.
     instances: Vec<i32>,
+    /// Whether the surface there shines itself.
+    shines: Vec<bool>,
     /// Samples and standard error of an earlier run that this one resumes.
     resumed: Option<(u64, f64)>,
     /// Samples that were not finite and count as black.
@@ -101,15 +103,16 @@ struct LayerSums {
 }
 
 impl Film {
-    /// An empty film of `width` x `height` pixels, with `layers` or without. `instances` holds the instance at the
-    /// centre of each pixel, -1 for none.
+    /// An empty film of `width` x `height` pixels, with `layers` or without. `centres` tells the instance at the
+    /// centre of each pixel, -1 for none, and whether it shines there.
     pub(super) fn new(
         width: usize,
         height: usize,
         layers: bool,
-        instances: Vec<i32>,
+        centres: Vec<(i32, bool)>,
     ) -> Result<Self, ReferenceError> {
         let pixels = width * height;
+        let (instances, shines) = centres.into_iter().unzip();
         Ok(Self {
             width,
             height,
@@ -118,6 +121,7 @@ impl Film {
             radiance: filled(pixels)?,
             layers: filled(if layers { pixels } else { 0 })?,
             instances,
+            shines,
             resumed: None,
             dropped: 0,
         })
@@ -231,6 +235,15 @@ impl Film {
     /// Whether the ray through the centre of each pixel hits a surface.
     pub fn covered(&self) -> impl Iterator<Item = bool> {
         self.instances.iter().map(|&id| id >= 0)
+    }
+
+    /// How much each pixel counts for automatic exposure. Twin: `SHARE_OF_LIGHTS` in shaders/passes/direct_shading.comp.
+    pub fn metered(&self) -> impl Iterator<Item = f32> {
+        self.covered().zip(&self.shines).map(|pixel| match pixel {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => 1.0 / 16.0,
+        })
     }
 
     /// Restores the mean of an earlier run: `picture`, of `samples` samples with the standard error `error`. False if

@@ -120,14 +120,21 @@ impl<'a> Reference<'a> {
     /// # Errors
     /// If it does not fit into memory.
     pub fn film(&self) -> Result<Film, ReferenceError> {
-        let instances = (0..self.pixels()).into_par_iter().with_min_len(GROUP);
-        let instance_at = |pixel: usize| {
+        let pixels = (0..self.pixels()).into_par_iter().with_min_len(GROUP);
+        let centre_of = |pixel: usize| {
             let ray = self.camera_ray(self.raster_point(pixel, Vec2::splat(0.5)));
             let hit = self.world().behind_hidden(&ray, self.bvh.intersect(&ray));
-            hit.map_or(-1, |hit| hit.instance as i32)
+            hit.map_or((-1, false), |hit| (hit.instance as i32, self.shines(&hit, ray.direction)))
         };
-        let instances = instances.map(instance_at).collect();
-        Film::new(self.size.x as usize, self.size.y as usize, self.layers, instances)
+        let centres = pixels.map(centre_of).collect();
+        Film::new(self.size.x as usize, self.size.y as usize, self.layers, centres)
+    }
+
+    /// Whether the surface that a ray along `direction` hit shines itself.
+    fn shines(&self, hit: &Hit, direction: Vec3) -> bool {
+        let (found, material) = self.surfaces.at(self.scene, hit, direction);
+        let material = &self.scene.materials[material];
+        material.emits_on(found.front) && material.emission_at(self.scene, found.attributes) != Vec3::ZERO
     }
 
     /// A film that resumes from `picture`, with the samples and error of `progress`.

@@ -12,7 +12,7 @@ use crate::passes::direct_shading::{DirectShadingPass, Shadows};
 use crate::passes::direct_shadows::DirectShadowsPass;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::thin_surfaces::ThinSurfacesPass;
-use crate::scene::Pose;
+use crate::scene::{Light, Pose};
 use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frame, Image, VulkanError};
 
@@ -49,11 +49,10 @@ impl DirectPasses {
         let thin_surfaces =
             tracer.thin_surfaces.then(|| ThinSurfacesPass::new(device, tracer, settings.size));
         let soft = settings.direct == Direct::Soft;
-        let shadows = match settings.direct {
-            Direct::Hard => {
-                ShadowPasses::Hard(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
-            }
-            Direct::Soft => ShadowPasses::Soft(Box::new(SoftShadows::new(device, tracer, settings)?)),
+        let shadows = if soft {
+            ShadowPasses::Soft(Box::new(SoftShadows::new(device, tracer, settings)?))
+        } else {
+            ShadowPasses::Hard(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
         };
         let shading = DirectShadingPass::new(device, tracer.thin_surfaces, soft, settings.size)?;
         Ok(Self { shadows, shading, thin_surfaces: thin_surfaces.transpose()? })
@@ -90,6 +89,16 @@ impl DirectPasses {
             None => Ok(()),
         }
     }
+}
+
+/// The settings with the choice made that `--direct auto` leaves to the lights.
+pub(super) fn resolved(settings: &Settings, pose: &Pose) -> Settings {
+    let direct = match settings.direct {
+        Direct::Auto if pose.lights.iter().any(Light::has_extent) => Direct::Soft,
+        Direct::Auto => Direct::Hard,
+        chosen => chosen,
+    };
+    Settings { direct, ..settings.clone() }
 }
 
 /// Mean irradiance by the environment, W/m^2: of thin surfaces with nothing behind them.

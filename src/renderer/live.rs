@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::direct::resolved;
 use super::shared::indirect_denoiser;
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
 use crate::effects::reflections::traces_reflections;
@@ -21,6 +22,8 @@ impl Renderer {
     /// Where the device does not support them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
         let pose = &*pose.about(self.anchor);
+        let asked = settings.clone();
+        let settings = &resolved(&asked, pose);
         let device = Arc::clone(&self.device);
         let kind = tracer_choice::choose(device.info(), settings.tracer)?;
         let retraced = kind != self.gpu_scene.tracer().kind();
@@ -81,6 +84,7 @@ impl Renderer {
         }
         self.redraws = true;
         self.settings.clone_from(settings);
+        self.asked = asked;
         Ok(())
     }
 
@@ -93,7 +97,7 @@ impl Renderer {
     /// Where the device does not support it; the renderer then goes on with the old one.
     pub fn set_scene(&mut self, scene: &Arc<Scene>, pose: &Pose) -> Result<(), RenderError> {
         if !scene.same_geometry_and_bindings(&self.scene) {
-            let settings = self.settings.clone();
+            let settings = self.asked.clone();
             return self.replace_scene(PreparedScene::new(scene), &settings, pose);
         }
         let changes = self.gpu_scene.changes_for(&self.device, scene, &self.bvh)?;
@@ -157,8 +161,8 @@ impl Renderer {
         }
     }
 
-    /// The settings in use.
+    /// The settings as they were given.
     pub fn settings(&self) -> &Settings {
-        &self.settings
+        &self.asked
     }
 }

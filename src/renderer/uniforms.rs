@@ -10,6 +10,9 @@ use crate::passes::clock::{ClockInputs, FrameClock};
 use crate::scene::{Camera, Pose};
 use crate::settings::{Antialiasing, Direct};
 
+/// Where positions within the pixel are averaged, textures are sharper than the pixel by so much (a mip bias; Karis 2014).
+const JITTERED_FOOTPRINT: f32 = 0.8;
+
 /// What a frame is rendered with.
 pub(super) struct FrameSetup {
     /// Where everything stands, with the camera where it samples the pixels.
@@ -58,6 +61,8 @@ impl Renderer {
             seed: self.settings.seed,
             area_light_count: if self.settings.direct == Direct::Soft { area_light_count } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
+            footprint: if self.settings.antialiasing == Antialiasing::Taa { JITTERED_FOOTPRINT } else { 1.0 },
+            tone_map: self.settings.tone_map as u32,
             ..FrameUniforms::default()
         };
         FrameSetup { pose, uniforms, unjittered: [unjittered, previous] }

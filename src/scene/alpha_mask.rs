@@ -75,6 +75,13 @@ impl AlphaMask {
         f32::from(self.texels[place]) / 255.0
     }
 
+    /// The alpha where an image of another size has the texel `place`, by rows.
+    pub(crate) fn texel_of(&self, [width, height]: [u32; 2], place: usize) -> f32 {
+        let (x, y) = (place as u64 % u64::from(width), place as u64 / u64::from(width));
+        let scaled = |at: u64, of: u32, size: u32| (at * u64::from(of) / u64::from(size)) as u32;
+        self.texel(scaled(y, self.height, height) * self.width + scaled(x, self.width, width))
+    }
+
     /// Whether the surface is opaque at `uv` (origin top left), where the alpha of its vertices is `alpha`.
     pub fn opaque_at(&self, uv: Vec2, alpha: f32) -> bool {
         let footprint = Footprint::new([self.width, self.height], uv, self.wrap, self.nearest);

@@ -130,6 +130,17 @@ pub struct Light {
     pub animation: Option<Animation>,
 }
 
+impl Light {
+    /// Whether it shines from more than a point or a direction, so that its shadows are soft.
+    pub fn has_extent(&self) -> bool {
+        match self.kind {
+            LightKind::Area { .. } => true,
+            LightKind::Directional { .. } => self.half_angle > 0.0,
+            LightKind::Point { .. } | LightKind::Spot { .. } => self.radius > 0.0,
+        }
+    }
+}
+
 /// Luminance of linear RGB (Rec. 709).
 pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))

@@ -46,6 +46,6 @@ pub use mesh::{Mesh, Surface, SurfacePoint, TriangleSurface};
 pub use recording::{RecordedEnvironment, RecordedFrame, RecordedInstance, RecordedLight};
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
-pub use texture_use::{Attributes, TextureUse, Wrap};
+pub use texture_use::{Attributes, Minified, MipLevels, TextureUse, Wrap};
 pub(crate) use world_surface::SurfaceTransform;
 pub use world_surface::{Side, SidedSurface, WorldSurface, ray_offset};

@@ -56,6 +56,27 @@ fn fraction(x: f32) -> f32 {
     if rest < 0.0 { rest + 1.0 } else { rest }
 }
 
+/// What an image shows where it is minified, as samplers have it (glTF's `minFilter`). Rays on the CPU read the full image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Minified {
+    /// Whether a level shows its texels as they are, the nearest; otherwise it is interpolated.
+    pub nearest: bool,
+    /// Which levels of the mip chain are read.
+    pub levels: MipLevels,
+}
+
+/// The levels of a mip chain that are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MipLevels {
+    /// The two that fit best, interpolated.
+    #[default]
+    Interpolated,
+    /// The one that fits best.
+    Nearest,
+    /// The full image alone.
+    First,
+}
+
 /// A texture as a material uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureUse {
@@ -71,13 +92,23 @@ pub struct TextureUse {
     pub wrap: [Wrap; 2],
     /// Whether a magnified image shows its texels as they are, the nearest; otherwise it is interpolated.
     pub nearest: bool,
+    /// What it shows where it is minified.
+    pub minified: Minified,
 }
 
 impl From<usize> for TextureUse {
     /// The texture of this index by the first coordinates, repeating.
     fn from(texture: usize) -> Self {
         let (matrix, offset) = (Mat2::IDENTITY, Vec2::ZERO);
-        Self { texture, set: 0, matrix, offset, wrap: Wrap::REPEAT, nearest: false }
+        Self {
+            texture,
+            set: 0,
+            matrix,
+            offset,
+            wrap: Wrap::REPEAT,
+            nearest: false,
+            minified: Minified::default(),
+        }
     }
 }
 

@@ -46,5 +46,5 @@ settings! {
 
 /// Whether frames have soft shadows or, in scenes with glossy surfaces, reflections.
 pub(super) fn effects_are_rendered(settings: &Settings) -> bool {
-    settings.direct == Direct::Soft || settings.reflections != Reflections::None
+    settings.direct != Direct::Hard || settings.reflections != Reflections::None
 }

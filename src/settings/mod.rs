@@ -33,8 +33,11 @@ use setting::settings;
 use value::{choice, choices, number, whole};
 
 /// Shadows of direct light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Direct {
+    /// Soft where a light of the scene has an extent, hard otherwise.
+    Auto,
     /// One ray to each light, which has no extent; area lights shine by virtual point lights.
     Hard,
     /// Soft shadows of lights with an extent: one ray a pixel, to a random point of the lights, denoised.
@@ -61,6 +64,17 @@ pub enum Antialiasing {
     None,
 }
 
+/// The curve from exposed radiance to what is shown. Their numbers have twins in shaders/include/tone_map.glsl.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ToneMap {
+    /// A fit of the film-like curve of ACES: rich contrast, highlights that roll off to white.
+    Aces,
+    /// Like AgX: soft contrast, bright colours that fade to white and keep their hue.
+    Agx,
+    /// None: what is brighter than white is cut off.
+    None,
+}
+
 /// Which ray tracer the shaders use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TracerKind {
@@ -72,7 +86,7 @@ pub enum TracerKind {
     Hardware,
 }
 
-choices!(Indirect, Denoise, Direct, Reflections, Antialiasing, TracerKind);
+choices!(Indirect, Denoise, Direct, Reflections, Antialiasing, ToneMap, TracerKind);
 
 /// Automatic exposure, or stops within this range.
 const STOPS: Kind = number("EV", -64.0, 64.0);
@@ -86,7 +100,7 @@ settings! {
     /// Method of indirect light.
     "indirect" indirect: Indirect = Indirect::VPLS, choice::<Indirect>();
     /// Shadows of direct light.
-    "direct" direct: Direct = Direct::Hard, choice::<Direct>();
+    "direct" direct: Direct = Direct::Auto, choice::<Direct>();
     /// What glossy surfaces mirror.
     "reflections" reflections: Reflections = Reflections::Auto, choice::<Reflections>();
     /// Smoothing of edges.
@@ -109,9 +123,11 @@ settings! {
     "time_step" time_step: f64 = 1.0 / 60.0, Kind::Seconds { most: 1e9 };
     /// Ray tracer of the shaders. The picture is the same.
     "tracer" tracer: TracerKind = TracerKind::Auto, choice::<TracerKind>();
-    /// Exposure in stops (radiance is multiplied by 2^exposure), or auto: from the picture's log-average luminance, in the window
-    /// over about half a second. More: brighter. Either costs the same.
+    /// Exposure in stops (radiance is multiplied by 2^exposure), or auto: the picture's median becomes middle grey, less where more
+    /// than 2 % of its pixels would be white; in the window over about half a second. More: brighter. Either costs the same.
     "exposure" exposure: Option<f32> = None, Kind::Auto(&STOPS);
+    /// Tone curve of what is shown. Any costs the same.
+    "tone_map" tone_map: ToneMap = ToneMap::Aces, choice::<ToneMap>();
 
     groups {
         /// Settings of soft shadows and reflections.

@@ -72,7 +72,7 @@ pub use present::{Presented, Presenter};
 #[cfg(feature = "window")]
 pub use present_slot::{Pane, Viewport};
 pub use reflect::{BindingKind, Reflection};
-pub use sampler::Sampler;
+pub use sampler::{Sampler, SamplerDescription};
 pub use shared_set::SharedSet;
 pub use surface::Surface;
 #[cfg(feature = "window")]

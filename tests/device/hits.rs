@@ -13,8 +13,8 @@ use glowworm::gpu_scene::structs::FrameUniforms;
 use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::passes::cast_rays::GpuRay;
 use glowworm::scene::{
-    Camera, Instance, Light, LightKind, Material, Mesh, Scene, Side, SurfacePoint, Texture, TextureUse, Wrap,
-    linear_to_srgb,
+    Camera, Instance, Light, LightKind, Material, Mesh, Minified, MipLevels, Scene, Side, SurfacePoint,
+    Texture, TextureUse, Wrap, linear_to_srgb,
 };
 use glowworm::settings::{Antialiasing, Settings};
 use glowworm::vulkan::{Buffer, ComputePipeline, Frames, shaders};
@@ -228,18 +228,57 @@ fn agrees_on_all_that_a_material_can_have(tracer: RayTracer) {
     agrees(tracer, &made(), 40_000);
 }
 
-/// A cone as wide as the quad sees the mean, one of a texel the texels.
-fn cones_choose_the_level(tracer: RayTracer) {
-    let Some(gpu) = GpuFixture::open() else { return };
+/// A square of side 8 with 64 x 64 texels, white and black in turn from left to right.
+fn stripes(used: TextureUse) -> Scene {
     let mut scene = Scene::new("levels");
     let stripes = (0..64 * 64).flat_map(|i| if i % 2 == 0 { [255; 4] } else { [0, 0, 0, 255] });
     scene.textures.push(Texture::from_rgba8("stripes", 64, 64, stripes.collect()).into());
-    scene
-        .materials
-        .push(Material { base_colour_texture: Some(0.into()), ..Material::lambertian("stripes", Vec3::ONE) });
+    let white = Material::lambertian("stripes", Vec3::ONE);
+    scene.materials.push(Material { base_colour_texture: Some(used), ..white });
     let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
     scene.meshes.push(Mesh::polygon("quad", &corners, 0).into());
     scene.instances.push(Instance::fixed("quad", 0, Affine3A::from_scale(Vec3::splat(8.0))));
+    scene
+}
+
+/// Texels are averaged along the longer axis of what a cone covers, and levels are read as the texture's filters say.
+fn footprints_are_filtered_as_by_samplers(tracer: RayTracer) {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let seen = |used: TextureUse, texel: f32, direction: Vec3, width: f32| {
+        let at = Vec3::new(texel / 8.0, 30.5 / 8.0, 0.0);
+        let ray = Ray { origin: at - direction, direction, t_min: 0.0, t_max: f32::INFINITY };
+        Some(surfaces(&gpu, tracer, &stripes(used), &[ray], [width / 8.0, 0.0])?[0].base.x)
+    };
+    // Along the stripes and across them, 80 degrees off the normal.
+    let (sin, cos) = 80f32.to_radians().sin_cos();
+    for (direction, expected) in
+        [(Vec3::new(0.0, sin, -cos), 1.0), (Vec3::new(sin, 0.0, -cos), 0.5), (Vec3::NEG_Z, 1.0)]
+    {
+        let Some(found) = seen(0.into(), 20.5, direction, 1.0) else { return };
+        assert!((found - expected).abs() < 0.1, "{direction}: {found}");
+    }
+    let mixed = 1.0 - 0.5 * 1.3f32.log2();
+    // Width in texels; place in texels; what levels of nearest and of interpolated texels show.
+    for (levels, width, texel, expected) in [
+        (MipLevels::First, 4.0, 20.5, [1.0, 1.0]),
+        (MipLevels::First, 4.0, 20.9, [1.0, 0.6]),
+        (MipLevels::Nearest, 1.3, 20.5, [1.0, 1.0]),
+        (MipLevels::Nearest, 1.6, 20.5, [0.5, 0.5]),
+        (MipLevels::Interpolated, 1.3, 20.5, [mixed, mixed]),
+        (MipLevels::Interpolated, 0.9, 20.9, [0.6, 0.6]),
+    ] {
+        for (nearest, expected) in [true, false].into_iter().zip(expected) {
+            let used = TextureUse { minified: Minified { nearest, levels }, ..0.into() };
+            let Some(found) = seen(used, texel, Vec3::NEG_Z, width) else { return };
+            assert!((found - expected).abs() < 0.02, "{levels:?} {nearest} {width} {texel}: {found}");
+        }
+    }
+}
+
+/// A cone as wide as the quad sees the mean, one of a texel the texels.
+fn cones_choose_the_level(tracer: RayTracer) {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = stripes(0.into());
     // At the middle of a white texel, at a distance of 2.
     let at = Vec3::new(8.0 * 20.5 / 64.0, 8.0 * 30.5 / 64.0, 2.0);
     let ray = Ray { origin: at, direction: Vec3::NEG_Z * 0.5, t_min: 0.0, t_max: f32::INFINITY };
@@ -351,5 +390,6 @@ for_both_tracers!(
     agrees_on_the_helmet,
     agrees_on_all_that_a_material_can_have,
     cones_choose_the_level,
+    footprints_are_filtered_as_by_samplers,
     pixels_are_what_rays_hit
 );

@@ -32,6 +32,7 @@ mod sphere;
 mod still;
 mod taa;
 mod temporal;
+mod textures;
 mod thin_features;
 mod thin_surfaces;
 mod tracers;

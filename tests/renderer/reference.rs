@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use glowworm::output::{Picture, tone_map};
 use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::Scene;
-use glowworm::settings::{Settings, VplSettings};
+use glowworm::settings::{Settings, ToneMap, VplSettings};
 
 use super::support::{GpuFixture, channel, exact, layer, luminance, mean, named_scene, quantile};
 
@@ -108,12 +108,23 @@ fn both_see_the_same_surfaces_and_direct_light() {
 fn the_tone_mapping_on_the_cpu_is_that_of_the_shaders() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
-    for exposure in [None, Some(1.5)] {
-        let settings = Settings { exposure, ..exact([SIDE; 2]) };
+    let curves = [ToneMap::Aces, ToneMap::Agx, ToneMap::None];
+    for (exposure, tone_map_of) in curves.into_iter().flat_map(|curve| [(None, curve), (Some(1.5), curve)]) {
+        let settings = Settings { exposure, tone_map: tone_map_of, ..exact([SIDE; 2]) };
         let drawn = gpu.rendered(&scene, &settings, 1).read_picture(true).unwrap();
         let mut twin = Picture { display: Vec::new(), ..drawn.clone() };
-        let covered = channel(&drawn, "instance").into_iter().map(|instance| instance >= 0.0);
-        tone_map(&mut twin, exposure, covered);
+        let shines = layer(&drawn, "emission").into_iter().map(|emission| emission != [0.0; 3]);
+        let weights = channel(&drawn, "instance").into_iter().zip(shines).map(|pixel| match pixel {
+            (instance, _) if instance < 0.0 => 0.0,
+            (_, shines) => {
+                if shines {
+                    1.0 / 16.0
+                } else {
+                    1.0
+                }
+            }
+        });
+        tone_map(&mut twin, (&settings).into(), weights);
         for (a, b) in drawn.display.iter().zip(&twin.display) {
             assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1), "{a:?} {b:?}");
         }

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec2, Vec3};
 use glowworm::estimators;
 use glowworm::estimators::vpls::{SlotState, VplDebugView};
-use glowworm::output::{Picture, tone_map};
+use glowworm::output::{Picture, Tones, tone_map};
 use glowworm::passes::effect_view::VIEWS;
 use glowworm::renderer::{DebugView, Renderer};
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{Direct, Reflections, Settings, VplSettings};
+use glowworm::settings::{Direct, Reflections, Settings, ToneMap, VplSettings};
 
 use super::support::{GpuFixture, channel, inspect, layer, mean, plain, scene, set_counts, vpls};
 
@@ -127,7 +127,8 @@ fn toned(picture: &Picture, radiance: Vec<Vec3>) -> Vec<Vec3> {
         layers: Vec::new(),
         ..picture.clone()
     };
-    tone_map(&mut picture, Some(0.0), std::iter::repeat(true));
+    let tones = Tones { exposure: Some(0.0), curve: ToneMap::Aces };
+    tone_map(&mut picture, tones, std::iter::repeat(1.0));
     let value = |pixel: &[u8; 4]| Vec3::new(f32::from(pixel[0]), f32::from(pixel[1]), f32::from(pixel[2]));
     picture.display.iter().map(|pixel| value(pixel) / 255.0).collect()
 }

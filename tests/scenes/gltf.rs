@@ -1,7 +1,7 @@
 //! glTF files, made by code: what they place.
 
 use glam::{Quat, Vec2, Vec4};
-use glowworm::scene::{Alpha, SpotFalloff, SurfacePoint, Wrap};
+use glowworm::scene::{Alpha, Minified, MipLevels, SpotFalloff, SurfacePoint, Wrap};
 use serde_json::{Value, json};
 
 use super::gltf_files::{add_accessor, buffer, data_uri, document, glb, load_glb, png};
@@ -322,4 +322,57 @@ fn the_damaged_helmet_loads() {
     assert!(warning.is_some_and(|warning| warning.contains("occlusion")), "{:?}", scene.warnings);
     let mean = material.mean_bsdf(&scene);
     assert!((0.2..0.9).contains(&mean.roughness) && (0.1..1.0).contains(&mean.metallic), "{mean:?}");
+}
+
+#[test]
+fn samplers_say_how_images_are_filtered() {
+    use MipLevels::{First, Interpolated, Nearest};
+    for (mag, min, nearest, minified) in [
+        (None, None, false, (false, Interpolated)),
+        (Some(9728), None, true, (true, Interpolated)),
+        (None, Some(9728), true, (true, First)),
+        (Some(9729), Some(9728), false, (true, First)),
+        (Some(9728), Some(9729), true, (false, First)),
+        (Some(9728), Some(9984), true, (true, Nearest)),
+        (Some(9729), Some(9985), false, (false, Nearest)),
+        (Some(9728), Some(9986), true, (true, Interpolated)),
+        (Some(9728), Some(9987), true, (false, Interpolated)),
+    ] {
+        let mut document = document();
+        document["images"] = json!([{ "uri": data_uri(&png(&[[255; 4]; 4])) }]);
+        let mut sampler = json!({});
+        for (key, value) in [("magFilter", mag), ("minFilter", min)] {
+            if let Some(value) = value {
+                sampler[key] = json!(value);
+            }
+        }
+        document["samplers"] = json!([sampler]);
+        document["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+        document["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+        document["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let used = load_glb(&document, &buffer()).materials[0].base_colour_texture.unwrap();
+        let (texels, levels) = minified;
+        assert_eq!(
+            (used.nearest, used.minified),
+            (nearest, Minified { nearest: texels, levels }),
+            "{mag:?} {min:?}"
+        );
+    }
+}
+
+#[test]
+fn texels_count_by_their_alpha_where_the_material_uses_it() {
+    // White leaves a quarter of the image, the rest is black and transparent.
+    let image = data_uri(&png(&[[255; 4], [0; 4], [0; 4], [0; 4]]));
+    for (mode, expected) in [("OPAQUE", 0.25), ("MASK", 1.0), ("BLEND", 1.0)] {
+        let mut document = document();
+        document["images"] = json!([{ "uri": image }]);
+        document["textures"] = json!([{ "source": 0 }]);
+        let pbr = json!({ "baseColorTexture": { "index": 0 }, "metallicFactor": 0 });
+        document["materials"] = json!([{ "alphaMode": mode, "pbrMetallicRoughness": pbr }]);
+        document["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let scene = load_glb(&document, &buffer());
+        let mean = scene.materials[0].mean_bsdf(&scene).base.x;
+        assert!((mean - expected).abs() < 0.01, "{mode}: {mean}");
+    }
 }

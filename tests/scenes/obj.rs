@@ -173,3 +173,21 @@ fn what_is_no_face_is_named_once() {
     assert_eq!(told.len(), 1);
     assert!(["lines.obj", "lines", "points", "curves"].iter().all(|word| told[0].contains(word)), "{told:?}");
 }
+
+#[test]
+fn colours_count_by_the_map_of_opacity() {
+    let image = |texels: &[[u8; 4]]| super::gltf_files::png(texels);
+    let leaf = image(&[[0, 255, 0, 255], [0, 0, 0, 255], [0, 0, 0, 255], [0, 0, 0, 255]]);
+    let folder = Folder::new()
+        .with("colour.png", leaf)
+        .with("opacity.png", image(&[[255; 4], [0, 0, 0, 255]]))
+        .with("m.mtl", "newmtl leaf\nKd 1 1 1\nmap_Kd colour.png\nmap_d opacity.png\n")
+        .with(
+            "m.obj",
+            "mtllib m.mtl\nusemtl leaf\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n",
+        );
+    let scene = folder.load("m.obj").unwrap();
+    // The left half is there: green and black.
+    let mean = scene.materials[0].mean_bsdf(&scene).base;
+    assert!(mean.distance(Vec3::new(0.0, 0.5, 0.0)) < 0.01, "{mean}");
+}

@@ -13,7 +13,7 @@ use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Pose, Scene, WorldSurface};
-use glowworm::settings::{Antialiasing, Reflections, Settings, VplSettings};
+use glowworm::settings::{Antialiasing, Direct, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions};
 
 /// A device whose validation messages fail the test when it goes.
@@ -125,10 +125,11 @@ pub fn scene(text: &str) -> Arc<Scene> {
     named_scene(file.to_str().unwrap(), None)
 }
 
-/// The defaults without what other tests look at: one sample in the middle of each pixel, nothing is mirrored, and what stands still
-/// is shown as what moves.
+/// The defaults without what other tests look at: hard shadows, one sample in the middle of each pixel, nothing is mirrored, and what
+/// stands still is shown as what moves.
 pub fn plain() -> Settings {
     Settings {
+        direct: Direct::Hard,
         reflections: Reflections::None,
         antialiasing: Antialiasing::None,
         still_frames: 0,

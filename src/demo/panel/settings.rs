@@ -165,14 +165,15 @@ pub(super) fn name_of(value: &impl ValueEnum) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Indirect, Reflections};
+    use crate::settings::{Direct, Indirect, Reflections};
 
     #[test]
     fn settings_of_what_is_not_in_use_are_disabled() {
         let in_use = |settings: &Settings| -> Vec<&str> {
             GROUPS.iter().filter(|group| (group.in_use)(settings)).map(|group| group.table).collect()
         };
-        let plain = Settings { reflections: Reflections::None, ..Settings::default() };
+        let (direct, reflections) = (Direct::Hard, Reflections::None);
+        let plain = Settings { direct, reflections, ..Settings::default() };
         let none = Settings { indirect: Indirect::NONE, ..Settings::default() };
         assert_eq!(
             in_use(&Settings::default()),

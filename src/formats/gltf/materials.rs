@@ -16,9 +16,9 @@ use rayon::prelude::*;
 use super::source::Source;
 use crate::activity;
 use crate::formats::error::SceneError;
-use crate::formats::images;
+use crate::formats::images::{self, Content};
 use crate::scene::{Alpha, AlphaMask, GLTF_F0, Material};
-use crate::scene::{Scene, TextureUse, Wrap};
+use crate::scene::{Minified, MipLevels, Scene, TextureUse, Wrap};
 
 /// The materials of a file in the scene.
 pub(super) struct Materials {
@@ -56,8 +56,8 @@ impl Materials {
 /// The images of a file, decoded where a material uses them.
 struct Images {
     decoded: Vec<Option<DynamicImage>>,
-    /// Scene indices of textures, by image and whether they are linear.
-    places: HashMap<(usize, bool), usize>,
+    /// Scene indices of textures, by image and what is read of it.
+    places: HashMap<(usize, Content), usize>,
     /// Of images that masks are made of.
     opacities: HashMap<usize, AlphaMask>,
     /// Materials that cut or blend by the alpha of some of their vertices.
@@ -121,12 +121,12 @@ impl Images {
     }
 
     /// Adds a texture to the scene, where it is not there yet; returns its index.
-    fn add(&mut self, texture: &::gltf::Texture<'_>, linear: bool, scene: &mut Scene) -> Option<usize> {
+    fn add(&mut self, texture: &::gltf::Texture<'_>, content: Content, scene: &mut Scene) -> Option<usize> {
         let index = texture.source().index();
         let image = self.decoded[index].as_ref()?;
-        Some(*self.places.entry((index, linear)).or_insert_with(|| {
+        Some(*self.places.entry((index, content)).or_insert_with(|| {
             let name = texture.source().name().map_or_else(|| format!("image {index}"), str::to_owned);
-            scene.textures.push(images::texture(&name, image, linear).into());
+            scene.textures.push(images::texture(&name, image, content, None).into());
             scene.textures.len() - 1
         }))
     }
@@ -195,7 +195,7 @@ impl<'a> From<NormalTexture<'a>> for Slot<'a> {
 /// How a material uses a texture; none if it has none, or one that is not shown.
 fn texture_use<'a>(
     slot: Option<impl Into<Slot<'a>>>,
-    linear: bool,
+    content: Content,
     source: &mut Source,
     images: &mut Images,
     scene: &mut Scene,
@@ -205,14 +205,15 @@ fn texture_use<'a>(
     if set > 1 {
         source.not_shown.insert("texture coordinates but the first two".to_owned());
     }
-    let Some(index) = images.add(&texture, linear, scene) else { return Ok(None) };
+    let Some(index) = images.add(&texture, content, scene) else { return Ok(None) };
     let wrap = [texture.sampler().wrap_s(), texture.sampler().wrap_t()].map(|mode| match mode {
         WrappingMode::ClampToEdge => Wrap::Clamp,
         WrappingMode::MirroredRepeat => Wrap::Mirror,
         WrappingMode::Repeat => Wrap::Repeat,
     });
     let nearest = is_nearest(&texture.sampler());
-    let mut texture = TextureUse { set: set.min(1) as usize, wrap, nearest, ..index.into() };
+    let minified = minified(&texture.sampler(), nearest);
+    let mut texture = TextureUse { set: set.min(1) as usize, wrap, nearest, minified, ..index.into() };
     if let Some(Transform { offset, rotation, scale, .. }) = transform {
         let (sin, cos) = rotation.sin_cos();
         let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
@@ -231,6 +232,20 @@ fn is_nearest(sampler: &Sampler<'_>) -> bool {
     sampler.mag_filter().map_or_else(minified, |filter| filter == MagFilter::Nearest)
 }
 
+/// What a minified image shows. Where a sampler does not say, its levels are interpolated, of such texels as magnification shows.
+fn minified(sampler: &Sampler<'_>, nearest: bool) -> Minified {
+    let (nearest, levels) = match sampler.min_filter() {
+        None => (nearest, MipLevels::Interpolated),
+        Some(MinFilter::Nearest) => (true, MipLevels::First),
+        Some(MinFilter::Linear) => (false, MipLevels::First),
+        Some(MinFilter::NearestMipmapNearest) => (true, MipLevels::Nearest),
+        Some(MinFilter::LinearMipmapNearest) => (false, MipLevels::Nearest),
+        Some(MinFilter::NearestMipmapLinear) => (true, MipLevels::Interpolated),
+        Some(MinFilter::LinearMipmapLinear) => (false, MipLevels::Interpolated),
+    };
+    Minified { nearest, levels }
+}
+
 fn material_of(
     material: &::gltf::Material<'_>,
     source: &mut Source,
@@ -242,7 +257,9 @@ fn material_of(
     let base = Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE);
     let name =
         material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned);
-    let base_texture = texture_use(pbr.base_color_texture(), false, source, images, scene)?;
+    let colour =
+        if material.alpha_mode() == AlphaMode::Opaque { Content::OpaqueColour } else { Content::Colour };
+    let base_texture = texture_use(pbr.base_color_texture(), colour, source, images, scene)?;
     let transmission = material.transmission().map_or(0.0, |t| t.transmission_factor().clamp(0.0, 1.0));
     let (alpha, alpha_mask) = alpha_of(material, images, scene, base_texture);
     let (opacity, double_sided) = (opacity.clamp(0.0, 1.0), material.double_sided());
@@ -255,10 +272,11 @@ fn material_of(
     }
     let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
     let (f0, f90) = dielectric_of(material);
-    let data_texture = texture_use(pbr.metallic_roughness_texture(), true, source, images, scene)?;
-    let emission_texture = texture_use(material.emissive_texture(), false, source, images, scene)?;
+    let data_texture = texture_use(pbr.metallic_roughness_texture(), Content::Data, source, images, scene)?;
+    let emission_texture =
+        texture_use(material.emissive_texture(), Content::OpaqueColour, source, images, scene)?;
     let normal_scale = material.normal_texture().map_or(1.0, |map| map.scale());
-    let normal_texture = texture_use(material.normal_texture(), true, source, images, scene)?;
+    let normal_texture = texture_use(material.normal_texture(), Content::Data, source, images, scene)?;
     if !normal_scale.is_finite() {
         return Err(source.error(format!(
             "material \"{name}\": the scale of its normal map is not finite; export the file again"

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::mtl::{Map, MtlMaterial, find_file};
 use super::normal_map;
 use super::surface::surface;
-use crate::formats::images;
+use crate::formats::images::{self, Content};
 use crate::scene::{Alpha, AlphaMask, Material, Scene, Texture, Wrap};
 
 /// The images of a model's materials, each read once.
@@ -108,7 +108,8 @@ type MaskKey<'a> = (Option<&'a str>, Option<&'a str>, u32, bool);
 /// What a texture is made of.
 #[derive(Clone, PartialEq, Eq, Hash)]
 enum Source<'a> {
-    Colour(&'a str),
+    /// Files of colours, and of the opacity by which they count; without one their own alpha.
+    Colour(&'a str, Option<&'a str>),
     /// Files of roughness and metallic.
     Data([Option<&'a str>; 2]),
     Relief(Relief<'a>),
@@ -136,7 +137,7 @@ pub(super) fn add_materials(file: &Path, materials: &[MtlMaterial], scene: &mut 
         // Maps of opacity cut out; only `d` makes thin surfaces.
         let cut_out = alpha_mask.is_some() && (maps.opacity.is_some() || !surface.is_thin_surface());
         let texture = |map: Option<&Map>, source: Option<Source<'_>>| Some(map?.of(*textures.get(&source?)?));
-        let colour = |map: Option<&Map>| texture(map, name_of(map).map(Source::Colour));
+        let colour = |map: Option<&Map>| texture(map, colour_of(map, maps));
         let (relief, data) = (maps.relief.unzip(), maps.roughness.or(maps.metallic));
         scene.materials.push(Material {
             base_colour_texture: colour(maps.colour),
@@ -148,6 +149,10 @@ pub(super) fn add_materials(file: &Path, materials: &[MtlMaterial], scene: &mut 
             ..surface
         });
     }
+}
+
+fn colour_of<'a>(map: Option<&'a Map>, maps: Maps<'a>) -> Option<Source<'a>> {
+    Some(Source::Colour(name_of(map)?, name_of(maps.opacity)))
 }
 
 fn data_of(maps: Maps<'_>) -> Option<Source<'_>> {
@@ -188,11 +193,11 @@ fn add_textures<'a>(
 ) -> HashMap<Source<'a>, usize> {
     let mut sources: Vec<Source<'a>> = Vec::new();
     for maps in materials.iter().map(Maps::of) {
-        let colours = [maps.colour, maps.emission].map(|map| name_of(map).map(Source::Colour));
+        let colours = [maps.colour, maps.emission].map(|map| colour_of(map, maps));
         let data = [data_of(maps), maps.relief.map(|(_, relief)| Source::Relief(relief))];
         for source in colours.into_iter().chain(data).flatten() {
             let readable = match &source {
-                Source::Colour(name) => name_of(maps.colour) == Some(name) || images.get(name).is_ok(),
+                Source::Colour(name, _) => name_of(maps.colour) == Some(name) || images.get(name).is_ok(),
                 Source::Data(names) => names.iter().flatten().all(|name| images.get(name).is_ok()),
                 Source::Relief(relief) => images.get(relief.name()).is_ok(),
             };
@@ -202,10 +207,13 @@ fn add_textures<'a>(
         }
     }
     let build = |source: &Source<'_>| match source {
-        Source::Colour(name) => match images.get(name) {
-            Ok(image) => images::texture(name, image, false),
-            Err(_) => Texture::missing(name),
-        },
+        Source::Colour(name, opacity) => {
+            let mask = opacity.and_then(|name| images::opacity(images.get(name).ok()?, true));
+            match images.get(name) {
+                Ok(image) => images::texture(name, image, Content::Colour, mask.as_ref()),
+                Err(_) => Texture::missing(name),
+            }
+        }
         Source::Data([roughness, metallic]) => {
             let image = |name: Option<&str>| images.get(name?).ok();
             images::metallic_roughness(image(*roughness), image(*metallic))
@@ -214,7 +222,7 @@ fn add_textures<'a>(
             (Ok(image), Relief::Heights(name, multiplier)) if !normal_map::is_normal_map(image) => {
                 normal_map::of_heights(name, image, f32::from_bits(*multiplier))
             }
-            (Ok(image), _) => images::texture(relief.name(), image, true),
+            (Ok(image), _) => images::texture(relief.name(), image, Content::Data, None),
             (Err(_), _) => Texture::missing(relief.name()),
         },
     };
