@@ -115,32 +115,6 @@ fn extremes_work() {
 }
 
 #[test]
-fn what_has_not_changed_is_not_drawn_again() {
-    let Some(gpu) = GpuFixture::open() else { return };
-    let scene = named_scene("cornell-box", None);
-    let settings = cornell(128, 4, 4);
-    let rest = scene.pose(0.0);
-    let mut aside = rest.clone();
-    aside.camera.eye.x += 0.1;
-    let mut renderer = gpu.renderer(&scene, &settings, &rest);
-    let poses = [&rest, &rest, &rest, &aside, &aside, &aside, &aside, &rest];
-    for pose in poses {
-        renderer.render(pose).unwrap();
-    }
-    let gbuffer_ms: Vec<f64> =
-        renderer.finish().unwrap().iter().map(|report| report.figures.passes["gbuffer"]).collect();
-    let drawn: Vec<bool> = gbuffer_ms.iter().map(|ms| *ms > 0.0).collect();
-    // Once more after the camera has moved: then the motion of all pixels is 0.
-    assert_eq!(drawn, [true, false, false, true, true, false, false, true], "{gbuffer_ms:?}");
-    // What stands is what a fresh renderer draws.
-    let (kept, fresh) = (renderer.read_picture(true).unwrap(), gpu.rendered(&scene, &settings, 8));
-    let fresh = fresh.read_picture(true).unwrap();
-    for name in ["direct", "albedo", "normal", "position"] {
-        assert!(layer(&kept, name) == layer(&fresh, name), "{name}");
-    }
-}
-
-#[test]
 fn rays_are_cast_only_where_they_matter() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);

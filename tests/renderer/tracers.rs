@@ -9,6 +9,7 @@ use glowworm::renderer::DebugView;
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, TracerKind, VplSettings};
 
+use super::still::frozen;
 use super::support::{GpuFixture, assets, layer, luminance, mean, named_scene, plain, skip, vpls};
 
 /// Seconds from frame to frame: objects move far.
@@ -99,14 +100,12 @@ fn one_takes_the_place_of_the_other() {
     let Some(gpu) = open() else { return };
     let scene = all_kinds();
     let pose = scene.pose(0.0);
-    let fresh = |tracer| gpu.rendered(&scene, &settings(tracer), 12).read_picture(true).unwrap();
+    let settings = |tracer| Settings { still_frames: 8, ..settings(tracer) };
+    let fresh = |tracer| frozen(&mut gpu.renderer(&scene, &settings(tracer), &pose), &pose);
     let mut renderer = gpu.rendered(&scene, &settings(TracerKind::Software), 4);
     for tracer in [TracerKind::Hardware, TracerKind::Software] {
         renderer.set_settings(&settings(tracer), &pose).unwrap();
-        for _ in 0..4 {
-            renderer.render(&pose).unwrap();
-        }
-        assert!(renderer.read_picture(true).unwrap() == fresh(tracer), "{tracer:?}");
+        assert!(frozen(&mut renderer, &pose) == fresh(tracer), "{tracer:?}");
     }
 }
 
