@@ -64,7 +64,7 @@ impl SharedPasses {
         let reflections = traces_reflections(scene, settings);
         let taa = settings.antialiasing == Antialiasing::Taa;
         let is_noisy = estimators::method(settings).noise == SignalNoise::Unknown;
-        let follows_surfaces = reflections || is_noisy || settings.direct == Direct::Soft;
+        let follows_surfaces = reflections || is_noisy || settings.direct != Direct::Hard;
         Ok(Self {
             gbuffer,
             reprojection: ReprojectionPass::new(device, if follows_surfaces { size } else { [1, 1] })?,

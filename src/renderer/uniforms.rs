@@ -35,13 +35,13 @@ impl Renderer {
             estimator: self.estimator.cycle(),
             settled: self.estimator.settles_in(),
             is_noisy: self.passes.accumulates() || self.indirect_denoiser.accumulates(),
-            is_jittered: self.settings.antialiasing == Antialiasing::Taa,
+            is_jittered: self.resolved.antialiasing == Antialiasing::Taa,
         }
     }
 
     /// The camera with this frame's jitter, and the uniforms.
     pub(super) fn set_up(&self, pose: &Pose, clock: &FrameClock) -> FrameSetup {
-        let size = self.settings.size;
+        let size = self.resolved.size;
         let [light_count, area_light_count] = self.gpu_scene.light_counts();
         let extent = Vec2::from(size.map(|side| side as f32));
         let aspect = extent.x / extent.y;
@@ -63,11 +63,11 @@ impl Renderer {
             light_count,
             noise_frame: clock.noise_frame(),
             jitter,
-            seed: self.settings.seed,
-            area_light_count: if self.settings.direct == Direct::Soft { area_light_count } else { 0 },
+            seed: self.resolved.seed,
+            area_light_count: if self.resolved.direct == Direct::Soft { area_light_count } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
-            footprint: if self.settings.antialiasing == Antialiasing::Taa { JITTERED_FOOTPRINT } else { 1.0 },
-            tone_map: self.settings.tone_map as u32,
+            footprint: if self.resolved.antialiasing == Antialiasing::Taa { JITTERED_FOOTPRINT } else { 1.0 },
+            tone_map: self.resolved.tone_map as u32,
             ..FrameUniforms::default()
         };
         FrameSetup { pose, uniforms, unjittered: [unjittered, previous] }
