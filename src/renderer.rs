@@ -78,9 +78,9 @@ pub enum RenderError {
 pub struct Renderer {
     scene: Arc<Scene>,
     /// As they were given.
-    asked: Settings,
-    /// With all choices made.
     settings: Settings,
+    /// With the choices made that these leave.
+    resolved: Settings,
     view: DebugView,
     bvh: TwoLevelBvh,
     /// Of the scene's bounding sphere, world units.
@@ -133,8 +133,8 @@ impl Renderer {
         let tracer = tracer_choice::choose(device.info(), settings.tracer)?;
         let PreparedScene { scene, anchor, mut bvh, bvh_ms } = prepared;
         let pose = &*pose.about(anchor);
-        let asked = settings.clone();
-        let settings = &resolved(&asked, pose);
+        let given = settings.clone();
+        let settings = &resolved(&given, pose);
         bvh.update(&pose.instances);
         let (low, high) = bvh.bounds();
         let radius = (high - low).length() * 0.5;
@@ -152,8 +152,8 @@ impl Renderer {
             indirect_denoiser: indirect_denoiser(device, &*estimator, settings)?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
-            settings: settings.clone(),
-            asked,
+            resolved: settings.clone(),
+            settings: given,
             view: DebugView::default(),
             views: ViewPasses::default(),
             bvh_ms,
@@ -180,9 +180,7 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        if resolved(&self.asked, pose) != self.settings {
-            self.set_settings(&self.asked.clone(), pose)?;
-        }
+        self.resolve_again(pose)?;
         let pose = &*pose.about(self.anchor);
         let clock = self.clock.next(pose, &self.clock_inputs());
         self.still = clock.still_frames();
@@ -227,7 +225,7 @@ impl Renderer {
 
         // Light them: directly, indirectly, and by what they mirror.
         let direct_inputs =
-            DirectInputs { light_count: uniforms.light_count, ambient: ambient(&self.settings, pose) };
+            DirectInputs { light_count: uniforms.light_count, ambient: ambient(&self.resolved, pose) };
         self.passes.direct.record(&mut frame, inputs, &direct_inputs)?;
         let (estimator, denoiser) = (&mut *self.estimator, &mut *self.indirect_denoiser);
         record_indirect(&mut frame, estimator, denoiser, inputs)?;
@@ -250,7 +248,7 @@ impl Renderer {
         };
         let passes = (&self.passes.combine, self.passes.taa.as_mut(), self.passes.still.as_mut());
         let sampled = (shading.raw(), reflections.map(Reflections::noisy), estimator.sampled());
-        let display = post_process(&mut frame, passes, (&joined, sampled), inputs, self.settings.exposure)?;
+        let display = post_process(&mut frame, passes, (&joined, sampled), inputs, self.resolved.exposure)?;
 
         // Show something else in place of the picture, or over it.
         let shown = ViewFrame {
@@ -276,15 +274,23 @@ impl Renderer {
         Ok(())
     }
 
+    /// Makes the choices anew that the settings leave to the lights.
+    fn resolve_again(&mut self, pose: &Pose) -> Result<(), RenderError> {
+        if resolved(&self.settings, pose) == self.resolved {
+            return Ok(());
+        }
+        self.set_settings(&self.settings.clone(), pose)
+    }
+
     /// The frame's work on the CPU, while the device draws the frame before.
     fn update(&mut self, pose: &Pose, clock: &FrameClock) -> Pending {
         let begun = Instant::now();
         self.bvh.update(&pose.instances);
-        let soft = self.settings.direct == Direct::Soft;
+        let soft = self.resolved.direct != Direct::Hard;
         self.gpu_scene.update_lights(&self.scene, pose, soft);
         let mut cpu_ms = vec![begun.elapsed().as_secs_f64() * 1e3];
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, clock));
-        let method = estimators::method(&self.settings);
+        let method = estimators::method(&self.resolved);
         let counters = self.estimator.counters();
         Pending {
             frame: self.frames_before + clock.frame,
@@ -298,7 +304,7 @@ impl Renderer {
     /// A frame that leaves the frozen picture as it is, and runs nothing.
     fn stay(&mut self, clock: &FrameClock) -> Result<(), RenderError> {
         self.reports = self.finish()?;
-        let (frame, method) = (self.frames_before + clock.frame, estimators::method(&self.settings));
+        let (frame, method) = (self.frames_before + clock.frame, estimators::method(&self.resolved));
         let (cpu_ms, counters) = (Vec::new(), Counters::default());
         self.pending.push_back(Pending { frame, still: clock.still_frames(), method, cpu_ms, counters });
         self.reports.extend(report(&mut self.pending, &*self.estimator, &FrameTimes::default()));
@@ -312,7 +318,7 @@ impl Renderer {
 
     /// Whether the picture of the last frame stays as long as nothing changes.
     pub fn is_frozen(&self) -> bool {
-        self.still > 0 && self.still == self.settings.still_frames
+        self.still > 0 && self.still == self.resolved.still_frames
     }
 
     /// How long building the BVH took, milliseconds.
@@ -338,7 +344,7 @@ impl Renderer {
 
     /// The shadows of direct light in use: hard or soft.
     pub fn direct(&self) -> Direct {
-        self.settings.direct
+        if self.resolved.direct == Direct::Hard { Direct::Hard } else { Direct::Soft }
     }
 
     /// The tracer in use.

@@ -17,9 +17,9 @@ vec3 aces(vec3 exposed) {
 
 // Sobotka's AgX, its curve by the polynomial of Wrensch: highlights lose their colour rather than change it.
 vec3 agx(vec3 exposed) {
-    const mat3 INSET = mat3(0.8424791, 0.042328242, 0.042375655, 0.0784336, 0.87846864, 0.0784336, 0.079223745, 0.07916613, 0.87914297);
+    const mat3 INSET = mat3(0.8424791, 0.042328242, 0.042375655, 0.0784336, 0.87846864, 0.0784336, 0.079223745, 0.07916613, 0.879143);
     const mat3 OUTSET =
-        mat3(1.196879, -0.05289685, -0.052971635, -0.09802088, 1.1519031, -0.09804345, -0.099029744, -0.09896118, 1.1510737);
+        mat3(1.196879, -0.05289685, -0.052971635, -0.09802088, 1.1519031, -0.09804345, -0.09902974, -0.09896118, 1.1510737);
     const float LEAST = -12.47393;
     const float MOST = 4.026069;
     vec3 x = clamp((log2(max(INSET * exposed, 1e-10)) - LEAST) / (MOST - LEAST), 0.0, 1.0);

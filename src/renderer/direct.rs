@@ -12,7 +12,7 @@ use crate::passes::direct_shading::{DirectShadingPass, Shadows};
 use crate::passes::direct_shadows::DirectShadowsPass;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::thin_surfaces::ThinSurfacesPass;
-use crate::scene::{Light, Pose};
+use crate::scene::{Light, LightKind, Pose};
 use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, Frame, Image, VulkanError};
 
@@ -26,9 +26,9 @@ pub(super) struct DirectPasses {
 
 /// What casts the shadows of lights.
 pub(super) enum ShadowPasses {
-    /// `--direct hard`.
+    /// One ray to each light.
     Hard(Box<DirectShadowsPass>),
-    /// `--direct soft`.
+    /// To a random point of one.
     Soft(Box<SoftShadows>),
 }
 
@@ -48,7 +48,7 @@ impl DirectPasses {
     ) -> Result<Self, VulkanError> {
         let thin_surfaces =
             tracer.thin_surfaces.then(|| ThinSurfacesPass::new(device, tracer, settings.size));
-        let soft = settings.direct == Direct::Soft;
+        let soft = settings.direct != Direct::Hard;
         let shadows = if soft {
             ShadowPasses::Soft(Box::new(SoftShadows::new(device, tracer, settings)?))
         } else {
@@ -91,11 +91,14 @@ impl DirectPasses {
     }
 }
 
-/// The settings with the choice made that `--direct auto` leaves to the lights.
+/// The settings with the choice made that `--direct auto` leaves to the lights: hard; soft; or still auto, where rays make the shadows
+/// of lights with a radius or an angle soft, and area lights shine by the estimator.
 pub(super) fn resolved(settings: &Settings, pose: &Pose) -> Settings {
+    let is_area = |light: &Light| matches!(light.kind, LightKind::Area { .. });
+    let soft = || pose.lights.iter().filter(|light| light.has_extent());
     let direct = match settings.direct {
-        Direct::Auto if pose.lights.iter().any(Light::has_extent) => Direct::Soft,
-        Direct::Auto => Direct::Hard,
+        Direct::Auto if soft().any(is_area) && !estimators::method(settings).gives_light => Direct::Soft,
+        Direct::Auto if soft().all(is_area) => Direct::Hard,
         chosen => chosen,
     };
     Settings { direct, ..settings.clone() }

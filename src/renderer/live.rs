@@ -22,8 +22,8 @@ impl Renderer {
     /// Where the device does not support them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
         let pose = &*pose.about(self.anchor);
-        let asked = settings.clone();
-        let settings = &resolved(&asked, pose);
+        let given = settings.clone();
+        let settings = &resolved(&given, pose);
         let device = Arc::clone(&self.device);
         let kind = tracer_choice::choose(device.info(), settings.tracer)?;
         let retraced = kind != self.gpu_scene.tracer().kind();
@@ -46,7 +46,7 @@ impl Renderer {
         };
         let remade = || self.passes.remade(&device, variant, &self.scene, settings);
         let passes =
-            if retraced || made_of(settings) != made_of(&self.settings) { Some(remade()?) } else { None };
+            if retraced || made_of(settings) != made_of(&self.resolved) { Some(remade()?) } else { None };
         let context = EstimatorContext {
             device: &device,
             tracer: variant,
@@ -56,7 +56,7 @@ impl Renderer {
         };
         // Frames in flight still use what is to be replaced.
         device.wait_idle()?;
-        if settings.indirect == self.settings.indirect {
+        if settings.indirect == self.resolved.indirect {
             self.estimator.change(&context)?;
         } else {
             let mut estimator = estimators::make(&context)?;
@@ -67,7 +67,7 @@ impl Renderer {
             self.estimator = estimator;
         }
         let denoiser_of = |of: &Settings| (of.indirect, of.size, of.effects.denoise, of.svgf);
-        if denoiser_of(settings) != denoiser_of(&self.settings) {
+        if denoiser_of(settings) != denoiser_of(&self.resolved) {
             self.indirect_denoiser = indirect_denoiser(&device, &*self.estimator, settings)?;
         }
 
@@ -79,12 +79,12 @@ impl Renderer {
             self.gpu_scene.set_tracer(tracer);
         }
         let light = |of: &Settings| Settings { exposure: None, target_fps: 0, time_step: 0.0, ..of.clone() };
-        if light(settings) != light(&self.settings) {
+        if light(settings) != light(&self.resolved) {
             self.clock.disturb();
         }
         self.redraws = true;
-        self.settings.clone_from(settings);
-        self.asked = asked;
+        self.resolved.clone_from(settings);
+        self.settings = given;
         Ok(())
     }
 
@@ -97,12 +97,12 @@ impl Renderer {
     /// Where the device does not support it; the renderer then goes on with the old one.
     pub fn set_scene(&mut self, scene: &Arc<Scene>, pose: &Pose) -> Result<(), RenderError> {
         if !scene.same_geometry_and_bindings(&self.scene) {
-            let settings = self.asked.clone();
+            let settings = self.settings.clone();
             return self.replace_scene(PreparedScene::new(scene), &settings, pose);
         }
         let changes = self.gpu_scene.changes_for(&self.device, scene, &self.bvh)?;
-        let reflects = traces_reflections(scene, &self.settings) != self.passes.reflections.is_some();
-        let remade = || self.passes.remade(&self.device, self.gpu_scene.variant(), scene, &self.settings);
+        let reflects = traces_reflections(scene, &self.resolved) != self.passes.reflections.is_some();
+        let remade = || self.passes.remade(&self.device, self.gpu_scene.variant(), scene, &self.resolved);
         let passes = if reflects { Some(remade()?) } else { None };
         // Frames in flight still use what is to be replaced.
         self.device.wait_idle()?;
@@ -163,6 +163,6 @@ impl Renderer {
 
     /// The settings as they were given.
     pub fn settings(&self) -> &Settings {
-        &self.asked
+        &self.settings
     }
 }

@@ -36,7 +36,7 @@ impl Renderer {
     /// as in `pose`; none where there is none. The middle of the first pixel is (0.5, 0.5).
     pub fn pick(&self, pose: &Pose, pixel: Vec2) -> Option<Picked> {
         let pose = &*pose.about(self.anchor);
-        let ray = camera_ray(&pose.camera, self.settings.size, pixel);
+        let ray = camera_ray(&pose.camera, self.resolved.size, pixel);
         let hit = self.world(pose).visible(&ray)?;
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let side = Side::Facing(ray.direction);

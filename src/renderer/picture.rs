@@ -68,7 +68,7 @@ impl Light {
 impl Renderer {
     /// Waits for the last frame and reads its picture; with `layers`, the G-buffer and both kinds of light too.
     pub fn read_picture(&self, layers: bool) -> Result<Picture, RenderError> {
-        let [width, height] = self.settings.size.map(|side| side as usize);
+        let [width, height] = self.resolved.size.map(|side| side as usize);
         let colour = match &self.passes.taa {
             Some(taa) if self.still == 0 => self.read_halves(taa.output(), 4)?,
             _ => self.read_halves(self.passes.combine.radiance(), 4)?,
@@ -148,11 +148,11 @@ impl Renderer {
         let reflectance: Vec<[f32; 4]> = (0..ids.len())
             .map(|index| self.reflectance(ids[index], base[index], light.albedo[index][3]))
             .collect();
-        let pixels = || (0..).flat_map(|y| (0..self.settings.size[0]).map(move |x| [x, y]));
+        let pixels = || (0..).flat_map(|y| (0..self.resolved.size[0]).map(move |x| [x, y]));
         let position: Vec<[f32; 4]> =
             pixels().zip(&depth).map(|(pixel, depth)| self.position(pixel, *depth)).collect();
         // From pixels to a fraction of the picture.
-        let [width, height] = self.settings.size.map(|side| side as f32);
+        let [width, height] = self.resolved.size.map(|side| side as f32);
         let motion = self.read_halves(&gbuffer.motion, 2)?;
         let motion: Vec<[f32; 2]> = motion.iter().map(|[x, y, ..]| [x / width, y / height]).collect();
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
@@ -214,7 +214,7 @@ impl Renderer {
     /// shaders/include/frame.glsl.
     fn position(&self, pixel: [u32; 2], depth: f32) -> [f32; 4] {
         let Some(uniforms) = self.uniforms.filter(|_| depth > 0.0) else { return [0.0; 4] };
-        let [pixel, size] = [pixel, self.settings.size].map(|of| Vec2::from(of.map(|side| side as f32)));
+        let [pixel, size] = [pixel, self.resolved.size].map(|of| Vec2::from(of.map(|side| side as f32)));
         let at = (pixel + 0.5) * (2.0 / size) - 1.0;
         let ray = uniforms.ray + at.x * uniforms.ray_x + at.y * uniforms.ray_y;
         (uniforms.eye + depth * ray + self.anchor.extend(0.0)).to_array()

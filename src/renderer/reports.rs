@@ -33,7 +33,7 @@ impl Renderer {
 
     /// The passes of a frame, in order.
     pub fn pass_infos(&self) -> Vec<PassInfo> {
-        frame_passes(estimators::method(&self.settings)).copied().collect()
+        frame_passes(estimators::method(&self.resolved)).copied().collect()
     }
 }
 

@@ -68,7 +68,7 @@ impl SharedPasses {
         let taa = settings.antialiasing == Antialiasing::Taa;
         let averages = settings.still_frames > 0;
         let is_noisy = estimators::method(settings).noise == SignalNoise::Unknown;
-        let follows_surfaces = reflections || is_noisy || settings.direct == Direct::Soft;
+        let follows_surfaces = reflections || is_noisy || settings.direct != Direct::Hard;
         Ok(Self {
             gbuffer,
             reprojection: ReprojectionPass::new(device, if follows_surfaces { size } else { [1, 1] })?,

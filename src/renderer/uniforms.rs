@@ -29,14 +29,14 @@ impl Renderer {
         ClockInputs {
             turns: self.estimator.turns(),
             is_settled: self.estimator.is_settled(),
-            still_frames: if is_picture { self.settings.still_frames } else { 0 },
-            is_jittered: is_picture && self.settings.antialiasing == Antialiasing::Taa,
+            still_frames: if is_picture { self.resolved.still_frames } else { 0 },
+            is_jittered: is_picture && self.resolved.antialiasing == Antialiasing::Taa,
         }
     }
 
     /// The camera with this frame's jitter, and the uniforms.
     pub(super) fn set_up(&self, pose: &Pose, clock: &FrameClock) -> FrameSetup {
-        let size = self.settings.size;
+        let size = self.resolved.size;
         let [light_count, area_light_count] = self.gpu_scene.light_counts();
         let extent = Vec2::from(size.map(|side| side as f32));
         let aspect = extent.x / extent.y;
@@ -58,11 +58,11 @@ impl Renderer {
             light_count,
             noise_frame: clock.noise_frame(),
             jitter,
-            seed: self.settings.seed,
-            area_light_count: if self.settings.direct == Direct::Soft { area_light_count } else { 0 },
+            seed: self.resolved.seed,
+            area_light_count: if self.resolved.direct == Direct::Soft { area_light_count } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
-            footprint: if self.settings.antialiasing == Antialiasing::Taa { JITTERED_FOOTPRINT } else { 1.0 },
-            tone_map: self.settings.tone_map as u32,
+            footprint: if self.resolved.antialiasing == Antialiasing::Taa { JITTERED_FOOTPRINT } else { 1.0 },
+            tone_map: self.resolved.tone_map as u32,
             ..FrameUniforms::default()
         };
         FrameSetup { pose, uniforms, unjittered: [unjittered, previous] }

@@ -111,7 +111,7 @@ impl Renderer {
 
     /// Users should know these facts about the method and the scene, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
-        let method = estimators::method(&self.settings);
+        let method = estimators::method(&self.resolved);
         let mut warnings = self.estimator.warnings();
         if self.passes.reflections.is_some() && !method.lights_hits {
             warnings.push(format!(

@@ -36,7 +36,8 @@ use value::{choice, choices, number, whole};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Direct {
-    /// Soft where a light of the scene has an extent, hard otherwise.
+    /// Soft where a light has a radius or an angle, hard otherwise. Area lights, whose shadows are soft in any case, shine by the
+    /// estimator, or, where it gives no light, as with soft.
     Auto,
     /// One ray to each light, which has no extent; area lights shine by virtual point lights.
     Hard,

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use glowworm::bvh::{Ray, TwoLevelBvh};
 use glowworm::scene::{LightKind, SpotFalloff, spot_falloff};
+use glowworm::settings::{Direct, Indirect, Settings};
 
-use super::support::{GpuFixture, exact, layer, luminance, scene};
+use super::support::{GpuFixture, exact, layer, luminance, named_scene, scene};
 
 /// A floor with a block on it, lit by `light`.
 fn floor(light: &str) -> String {
@@ -123,4 +124,38 @@ fn spot_light_of_gltf() {
 #[test]
 fn directional_light() {
     check("type = \"directional\"\ndirection = [-1, -1.5, -0.4]\nirradiance = [3, 3, 3]");
+}
+
+#[test]
+fn auto_is_soft_where_lights_have_an_extent() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let sun = "type = \"directional\"\ndirection = [0, -1, 0.2]\nirradiance = [1, 1, 1]\n";
+    let bulb = "type = \"point\"\nposition = [0, 3, 0]\nintensity = [1, 1, 1]\n";
+    for (light, expected) in [
+        (sun.to_owned(), Direct::Hard),
+        (format!("{sun}angle_deg = 1"), Direct::Soft),
+        (bulb.to_owned(), Direct::Hard),
+        (format!("{bulb}radius = 0.2"), Direct::Soft),
+    ] {
+        let settings = Settings { direct: Direct::Auto, ..exact([24, 24]) };
+        let scene = scene(&floor(&light));
+        let auto = gpu.rendered(&scene, &settings, 1);
+        let given = gpu.rendered(&scene, &Settings { direct: expected, ..settings.clone() }, 1);
+        assert_eq!((auto.direct(), auto.settings()), (expected, &settings), "{light}");
+        assert!(auto.read_display().unwrap() == given.read_display().unwrap(), "{light}");
+    }
+    // Area lights shine by the estimator, where it gives light.
+    let room = named_scene("cornell-box", None);
+    for (indirect, expected) in [(Indirect::VPLS, Direct::Hard), (Indirect::NONE, Direct::Soft)] {
+        let settings = Settings { direct: Direct::Auto, indirect, ..exact([24, 24]) };
+        assert_eq!(gpu.rendered(&room, &settings, 1).direct(), expected);
+    }
+    // A lamp that gets a radius while the renderer runs.
+    let scene = scene(&floor(bulb));
+    let mut pose = scene.pose(0.0);
+    let mut renderer = gpu.renderer(&scene, &Settings { direct: Direct::Auto, ..exact([24, 24]) }, &pose);
+    renderer.render(&pose).unwrap();
+    pose.lights[0].radius = 0.2;
+    renderer.render(&pose).unwrap();
+    assert_eq!(renderer.direct(), Direct::Soft);
 }

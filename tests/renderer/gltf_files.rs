@@ -80,6 +80,14 @@ impl File {
         self.image(&image, nearest)
     }
 
+    /// The same, nearest, beyond its borders as `wrap` says.
+    pub fn wrapped_texture(&mut self, pair: Pair, wrap: u32) -> usize {
+        let texture = self.texture(pair, true);
+        let sampler = self.push("samplers", json!({ "magFilter": 9728, "wrapS": wrap }));
+        self.document["textures"][texture]["sampler"] = json!(sampler);
+        texture
+    }
+
     pub fn image(&mut self, image: &DynamicImage, nearest: bool) -> usize {
         let mut png = Cursor::new(Vec::new());
         image.write_to(&mut png, ImageFormat::Png).unwrap();

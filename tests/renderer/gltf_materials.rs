@@ -247,6 +247,29 @@ fn nearest_filters_make_steps_in_every_use() {
 }
 
 #[test]
+fn images_go_on_beyond_their_borders_as_samplers_say() {
+    let (dark, light) = ([0x4040, 0x4040, 0x4040, WHITE], [0xc0c0, 0xc0c0, 0xc0c0, WHITE]);
+    // Which half is seen from one width of the image to its left to one to its right.
+    for (wrap, halves) in [(10497, "DLDLDL"), (33648, "LDDLLD"), (33071, "DDDLLL")] {
+        let mut file = File::new();
+        let texture = file.wrapped_texture([dark, light], wrap);
+        let transform = json!({ "scale": [3, 1], "offset": [-1, 0] });
+        let texture = json!({ "index": texture, "extensions": { "KHR_texture_transform": transform } });
+        let pbr = json!({ "metallicFactor": 0, "baseColorTexture": texture });
+        let material = file.material(json!({ "pbrMetallicRoughness": pbr }));
+        file.quad(Vec3::ZERO, 1.0, material, None, json!({}));
+        // Two pixels see a texel.
+        let eye = Vec3::new(0.0, 0.0, 6.0);
+        for (who, picture) in pictures(file.scene(eye, 2.0 * (1.0f32 / 36.0).atan()), [12, 2], 1) {
+            let row: Vec<f32> = layer(&picture, "albedo")[..12].iter().map(|albedo| albedo[0]).collect();
+            let seen: String =
+                row.iter().step_by(2).map(|&albedo| if albedo < 0.2 { 'D' } else { 'L' }).collect();
+            assert_eq!(seen, halves, "{who}, {wrap}: {row:?}");
+        }
+    }
+}
+
+#[test]
 fn colours_of_vertices_keep_the_dark() {
     let mut file = File::new();
     let white = file.material(json!({ "pbrMetallicRoughness": { "metallicFactor": 0 } }));

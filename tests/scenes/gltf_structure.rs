@@ -320,6 +320,41 @@ fn targets_and_skins_pose_meshes_at_rest() {
     ]);
 }
 
+/// As in the sample assets MorphPrimitivesTest and RecursiveSkeletons.
+#[test]
+fn several_primitives_and_skeletons_are_posed_together() {
+    let lifted = [Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + 2.0 * Vec3::Z];
+    check_posed(&[
+        (
+            "each primitive of a mesh by its own targets",
+            |d, b| {
+                add_target(d, b, LIFT);
+                let lifted = d["meshes"][0]["primitives"][0].clone();
+                add_target(d, b, [0.0; 9]);
+                d["meshes"][0]["primitives"].as_array_mut().unwrap().push(lifted);
+                d["meshes"][0]["weights"] = json!([0.5, 1]);
+            },
+            [TRIANGLE, lifted].concat(),
+        ),
+        (
+            "skeletons below what other skeletons move",
+            |d, b| {
+                add_skin(d, b, &[0], &[Mat4::IDENTITY], [FIRST; 3]);
+                let mut other = d["skins"][0].clone();
+                other["joints"] = json!([2]);
+                d["skins"].as_array_mut().unwrap().push(other);
+                d["nodes"] = json!([
+                    { "children": [1], "translation": [2, 0, 0] },
+                    { "children": [2], "translation": [9, 9, 9], "mesh": 0, "skin": 0 },
+                    { "children": [3], "translation": [0, 3, 0] },
+                    { "mesh": 0, "skin": 1, "translation": [7, 7, 7] }
+                ]);
+            },
+            [at(Vec3::X * 2.0), at(Vec3::new(11.0, 12.0, 9.0))].concat(),
+        ),
+    ]);
+}
+
 #[test]
 fn instances_are_placed_hidden_flat_and_mirrored() {
     check_posed(&[
