@@ -62,6 +62,8 @@ pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
             interleave: 1,
             pool: 200,
             clamp: 0.0,
+            // What sets hold of turns before is looked at below.
+            longest_history: 0,
             ..VplSettings::default()
         },
         ..plain()
@@ -196,6 +198,47 @@ fn a_light_that_jumps_is_shown_at_once() {
     assert!(after_frames[3] <= 0.4 * stale, "{after_frames:?}");
     assert!(after_frames[7] <= 0.15 * stale, "{after_frames:?}");
     assert!(after_frames[15] <= 0.025, "{after_frames:?}");
+}
+
+/// What sets hold of turns before lags by no more than a round of turns, wherever something has moved or a light has gone.
+#[test]
+fn a_jump_is_shown_after_one_round_of_turns() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene: Arc<Scene> = scene(ROOM);
+    // Every VPL is gathered: nothing is random.
+    let (slots, temporal_sets) = (200, 8);
+    let vpl = VplSettings {
+        slots,
+        temporal_sets,
+        budget: slots,
+        interleave: 1,
+        pool: slots,
+        clamp: 0.0,
+        ..Default::default()
+    };
+    assert!(vpl.longest_history > 0);
+    let settings = Settings { size: [96, 64], vpl, ..plain() };
+    let rest = scene.pose(0.0);
+    let [mut moved, mut dark] = [rest.clone(), rest.clone()];
+    moved.instances[1] = Affine3A::from_translation(Vec3::new(-1.2, 0.9, 0.8)) * moved.instances[1];
+    dark.lights.remove(1);
+    for after in [moved, dark] {
+        let mut renderer = gpu.renderer(&scene, &settings, &rest);
+        for _ in 0..6 * temporal_sets {
+            renderer.render(&rest).unwrap();
+        }
+        for _ in 0..temporal_sets + 2 {
+            renderer.render(&after).unwrap();
+        }
+        let mut fresh = gpu.renderer(&scene, &settings, &after);
+        for _ in 0..temporal_sets {
+            fresh.render(&after).unwrap();
+        }
+        let [ours, expected] = [&renderer, &fresh].map(|renderer| blocks(&indirect(renderer)));
+        let worst = ours.iter().zip(&expected).map(|(ours, expected)| (ours / expected - 1.0).abs());
+        let worst = worst.fold(0.0, f32::max);
+        assert!(worst < 0.05, "a block of 8 x 8 pixels is off by {worst}");
+    }
 }
 
 /// Mean luminance of blocks of 8 x 8 pixels of a picture 96 pixels wide.

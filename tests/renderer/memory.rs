@@ -13,11 +13,12 @@ fn computed(settings: &Settings) -> u64 {
     let set_step = if temporal_sets > 1 && interleave > 1 { 2 } else { 1 };
     let sets = u64::from(temporal_sets);
     let vpls = u64::from(settings.vpl.pool_size().div_ceil(temporal_sets));
-    // A tile is 16 x 16 texels, a block 8 x 8; each has a number for each of 64 clusters.
-    let tiles = of_step(16 * set_step) * 256 * 5;
+    // A tile is 16 x 16 texels, a block 8 x 8, and blocks begin anywhere; each has a number for each of 64 clusters.
+    let [across, down] = settings.size.map(|side| u64::from(side.div_ceil(16 * set_step)));
+    let tiles = 256 * (across * down + (2 * across + 1) * (2 * down + 1));
     pixels * (if settings.antialiasing == Antialiasing::Taa { 116 } else { 84 })
         + of_step(2) * 24
-        + of_step(set_step) * (16 + 8 * sets)
+        + of_step(set_step) * (24 + 8 * sets)
         + tiles
         + sets * 48 * (vpls + 64)
 }

@@ -62,6 +62,9 @@ vec4 filtered(ivec2 middle, Surface centre) {
     return sum / max(weights, 1e-6);
 }
 
+// The mean may lag by this share of a place's light.
+const float LAG = 0.25;
+
 // The mean of the draws of all turns, in which those before count as long as little has changed; a: how many.
 vec4 accumulated(vec4 drawn, ivec2 pixel, Surface centre) {
     vec4 before = vec4(0.0);
@@ -70,8 +73,7 @@ vec4 accumulated(vec4 drawn, ivec2 pixel, Surface centre) {
         ObjectPoint point = to_object(instance, centre.position, centre.geometric);
         if (!look_up(vpl.layer, point, slope_at(pixel, centre), before)) before = vec4(0.0);
     }
-    // As LAG in src/estimators/vpls/staleness.rs.
-    float longest = min(vpl.longest_history, max(0.25 / max(drawn.a, 1e-6) - 1.0, 0.0));
+    float longest = min(vpl.longest_history, max(LAG / max(drawn.a, 1e-6) - 1.0, 0.0));
     float draws = min(before.a, longest);
     return vec4((drawn.rgb + draws * before.rgb * vpl.irradiance_scale) / (draws + 1.0), draws + 1.0);
 }

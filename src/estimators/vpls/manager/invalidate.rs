@@ -30,11 +30,15 @@ impl VplManager {
         if self.changes.anything_changed() || self.changes.flux_changed {
             self.changed_in = Some(self.frame);
         }
+        let lights_changed = self.changes.flux_changed || self.changes.light_changed.contains(&true);
+        if lights_changed {
+            self.relit_in = Some(self.frame);
+        }
         let renewed = self.placement.follow(world, self.changes.geometry_moved, &self.changes.bounds);
         let light_changed = |light: usize| renewed || self.changes.light_changed[light];
         self.placement.estimate_candidates(world, &self.changes, light_changed);
         let mut invalidated = 0;
-        if self.changes.flux_changed || self.changes.light_changed.contains(&true) {
+        if lights_changed {
             invalidated += self.reassign_slots();
         }
         if renewed {

@@ -38,7 +38,7 @@ impl VplManager {
                 PathRange { path, start: 0, end: self.assignment.path(path).len() }
             })
             .collect();
-        (self.has_gone_on, self.changed_in) = (true, None);
+        (self.has_gone_on, self.changed_in, self.relit_in) = (true, None, None);
         self.shoot(world, &ranges);
         self.update_counters();
         ranges.iter().map(|range| range.end as u32).sum()

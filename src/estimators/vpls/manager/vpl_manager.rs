@@ -39,6 +39,8 @@ pub struct VplManager {
     pub(super) frame: u32,
     /// The last frame in which lights or instances changed; none yet.
     pub(super) changed_in: Option<u32>,
+    /// The last frame in which a light changed, or what reflects it.
+    pub(super) relit_in: Option<u32>,
     /// The last invalidation of each slot since the last reassignment.
     pub(super) invalidations: Vec<Option<Invalidation>>,
 }
@@ -69,6 +71,7 @@ impl VplManager {
             counters: VplCounters::default(),
             frame: 0,
             changed_in: None,
+            relit_in: None,
             invalidations: vec![None; layout.slots as usize],
             vpls_per_slot: settings.vpl.vpls_per_slot(),
             budget: settings.vpl.budget.max(1),
@@ -100,7 +103,7 @@ impl VplManager {
         self.placement.mark_dirty();
         self.slots.iter_mut().for_each(|slot| slot.fresh = false);
         self.update_counters();
-        self.changed_in = Some(self.frame);
+        (self.changed_in, self.relit_in) = (Some(self.frame), Some(self.frame));
     }
 
     /// Algorithm 2: invalidates slots that no longer match the scene; returns how many.
@@ -162,8 +165,18 @@ impl VplManager {
 
     /// Whether slots may still await replacement because lights or instances have changed, not only the choice of VPLs.
     pub fn is_settling(&self) -> bool {
+        self.is_within_budget(self.changed_in)
+    }
+
+    /// Whether that is so because lights, or the materials that reflect them, have changed.
+    pub fn is_relit(&self) -> bool {
+        self.is_within_budget(self.relit_in)
+    }
+
+    /// Whether slots may still await replacement since that frame.
+    fn is_within_budget(&self, changed_in: Option<u32>) -> bool {
         let frames = (self.layout.slots / self.vpls_per_slot).div_ceil(self.budget);
-        self.changed_in.is_some_and(|last| self.frame - last <= frames)
+        changed_in.is_some_and(|last| self.frame - last <= frames)
     }
 
     /// Whether the power of a light has changed in this frame.
