@@ -84,6 +84,7 @@ void main() {
     ivec2 pixel = representative(texel, SET_STEP, vpl.representative, frame.size);
     Surface centre = surface_at(pixel);
     vec4 irradiance = centre.depth > 0.0 ? accumulated(filtered(texel, centre), pixel, centre) : vec4(0.0);
-    vec3 random = vec3(pcg3d(uvec3(texel, vpl.cycle * 64u + vpl.layer)) >> 8u) * exp2(-24.0);
+    vec3 random = vec3(0.5);
+    if (irradiance.a > 1.0) random = vec3(pcg3d(uvec3(texel, vpl.cycle * 64u + vpl.layer)) >> 8u) * exp2(-24.0);
     imageStore(set_buffers, ivec3(texel, vpl.target), pack_texel(irradiance.rgb, centre.depth, irradiance.a, random));
 }

@@ -7,8 +7,8 @@ const float MAX_STORED = 65408.0;
 // Most draws that a texel counts: the low bits of the depth, which leaves that 18 bits of mantissa.
 const uint MOST_DRAWS = 31u;
 
-// A texel: irradiance as three mantissas of 9 bits and their exponent (Ward 1991; Vulkan's E5B9G9R9), rounded at random, as a mean over
-// many draws changes by less than a step; then the depth, and how many draws the irradiance is the mean of.
+// A texel: irradiance as three mantissas of 9 bits and their exponent (Ward 1991; Vulkan's E5B9G9R9), rounded up by `random`: 0.5 to nearest, any
+// number where a mean over many draws changes by less than a step; then the depth, and how many draws the irradiance is the mean of.
 uvec4 pack_texel(vec3 irradiance, float depth, float draws, vec3 random) {
     irradiance = clamp(irradiance, 0.0, MAX_STORED);
     float largest = max(max(irradiance.r, irradiance.g), irradiance.b);

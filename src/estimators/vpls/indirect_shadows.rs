@@ -96,7 +96,11 @@ impl IndirectShadowsPass {
                 "cluster_weights",
                 blocks[0] * blocks[1] * CLUSTERS as u64 * 4,
             )?,
-            cluster_visibility: Buffer::new(device, "cluster_visibility", tiles[0] * tiles[1] * CLUSTERS as u64 * 4)?,
+            cluster_visibility: Buffer::new(
+                device,
+                "cluster_visibility",
+                tiles[0] * tiles[1] * CLUSTERS as u64 * 4,
+            )?,
             // 32 bits: many dispatches may add to it.
             irradiance: storage_image(device, "sampled_irradiance", vk::Format::R32G32B32A32_SFLOAT, extent)?,
         })

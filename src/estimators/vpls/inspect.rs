@@ -1,9 +1,11 @@
 //! Questions about VPLs: which of them light a point, and how much.
 
+use super::Vpls;
 use super::manager::{Gathering, VplContribution};
-use super::{VplSettings, Vpls, geometry_bound, median_segment_length};
+use super::scale::{geometry_bound, median_segment_length};
 use crate::estimators::World;
 use crate::scene::WorldSurface;
+use crate::settings::VplSettings;
 
 impl Vpls {
     /// The VPLs that face a surface point, visible ones first, then by their irradiance. The sum of these is the indirect

@@ -19,13 +19,13 @@ mod method;
 mod moved;
 mod passes;
 mod path_lines;
+mod scale;
 mod set_buffers;
 mod staleness;
 mod view;
 mod vpl_buffer;
 mod vpl_light;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -48,14 +48,14 @@ use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::overlay::Line;
 use crate::passes::still::SampledIrradiance;
 use crate::report::Counters;
-use crate::settings::{Settings, VplSettings};
-use crate::statistics::percentile;
+use crate::settings::Settings;
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 use hit_light::HitLightPass;
-use moved::{MOST_BOXES, Moved, MovedBox};
 pub(crate) use indirect_shadows::samples;
+use moved::{MOST_BOXES, Moved, MovedBox};
 use passes::Passes;
 use path_lines::PathView;
+use scale::{geometry_bound, median_segment_length, power_of_two_near};
 use set_buffers::RenderedSet;
 #[cfg(feature = "bench")]
 pub(crate) use set_buffers::set_step;
@@ -399,36 +399,4 @@ impl Estimator for Vpls {
     fn warnings(&self) -> Vec<String> {
         self.manager.wasted_slots_warning().into_iter().collect()
     }
-}
-
-/// Bound c of the geometry term, 1/m^2, where surfaces that light each other are about `length` apart; 0: none.
-fn geometry_bound(settings: &VplSettings, length: f32) -> f32 {
-    settings.clamp / length.powi(2)
-}
-
-/// Powers of two scale without rounding. 1 for what is no positive number.
-fn power_of_two_near(value: f32) -> f32 {
-    if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
-}
-
-/// Median distance from a VPL to its parent VPL in the scene without animation: a length that, unlike the bounds, a
-/// large ground plane does not change. None where no VPL has a parent on a surface.
-fn median_segment_length(world: World<'_>) -> Option<f32> {
-    let pose = world.scene.pose(0.0);
-    let mut bvh = Cow::Borrowed(world.bvh);
-    if pose.instances != world.pose.instances {
-        bvh.to_mut().update(&pose.instances);
-    }
-    let vpl =
-        VplSettings { slots: 1024, pool: 1024, candidates: 1, temporal_sets: 1, ..VplSettings::default() };
-    let settings = Settings { bounces: 2, vpl, ..Settings::default() };
-    let manager = VplManager::new(World { scene: world.scene, pose: &pose, bvh: &bvh }, &settings);
-    let slots: Vec<SlotView> = manager.slots().collect();
-    let lengths = slots
-        .iter()
-        .filter(|slot| slot.state == SlotState::Valid)
-        .filter_map(|slot| Some((slot, &slots[slot.parent? as usize])))
-        .filter(|(_, parent)| !parent.at_infinity)
-        .map(|(slot, parent)| slot.position.distance(parent.position));
-    percentile(lengths, 0.5)
 }

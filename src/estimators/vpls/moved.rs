@@ -62,11 +62,12 @@ impl Moved {
     /// Compares the transforms with those of the last frame.
     pub fn advance(&mut self, scene: &Scene, pose: &Pose) {
         let both = scene.instances.iter().zip(self.last.iter().zip(&pose.instances)).enumerate();
-        let moves = |(index, (instance, (from, to))): (usize, (&crate::scene::Instance, (&Affine3A, &Affine3A)))| {
-            let mesh = self.meshes[instance.mesh];
-            (instance.visible && from != to)
-                .then(|| (index, MovedBox::around(mesh, from).union(MovedBox::around(mesh, to))))
-        };
+        let moves =
+            |(index, (instance, (from, to))): (usize, (&crate::scene::Instance, (&Affine3A, &Affine3A)))| {
+                let mesh = self.meshes[instance.mesh];
+                (instance.visible && from != to)
+                    .then(|| (index, MovedBox::around(mesh, from).union(MovedBox::around(mesh, to))))
+            };
         let moves: Vec<_> = both.filter_map(moves).collect();
         for boxes in &mut self.swept {
             moves.iter().for_each(|&(mover, swept)| add(boxes, mover, swept));

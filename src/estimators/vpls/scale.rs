@@ -1,0 +1,40 @@
+//! The scale of a scene: a typical distance, the bound of the geometry term that follows, and powers of two.
+
+use std::borrow::Cow;
+
+use super::manager::{SlotState, SlotView, VplManager};
+use crate::bvh::World;
+use crate::settings::{Settings, VplSettings};
+use crate::statistics::percentile;
+
+/// Bound c of the geometry term, 1/m^2, where surfaces that light each other are about `length` apart; 0: none.
+pub(super) fn geometry_bound(settings: &VplSettings, length: f32) -> f32 {
+    settings.clamp / length.powi(2)
+}
+
+/// Powers of two scale without rounding. 1 for what is no positive number.
+pub(super) fn power_of_two_near(value: f32) -> f32 {
+    if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
+}
+
+/// Median distance from a VPL to its parent VPL in the scene without animation: a length that, unlike the bounds, a
+/// large ground plane does not change. None where no VPL has a parent on a surface.
+pub(super) fn median_segment_length(world: World<'_>) -> Option<f32> {
+    let pose = world.scene.pose(0.0);
+    let mut bvh = Cow::Borrowed(world.bvh);
+    if pose.instances != world.pose.instances {
+        bvh.to_mut().update(&pose.instances);
+    }
+    let vpl =
+        VplSettings { slots: 1024, pool: 1024, candidates: 1, temporal_sets: 1, ..VplSettings::default() };
+    let settings = Settings { bounces: 2, vpl, ..Settings::default() };
+    let manager = VplManager::new(World { scene: world.scene, pose: &pose, bvh: &bvh }, &settings);
+    let slots: Vec<SlotView> = manager.slots().collect();
+    let lengths = slots
+        .iter()
+        .filter(|slot| slot.state == SlotState::Valid)
+        .filter_map(|slot| Some((slot, &slots[slot.parent? as usize])))
+        .filter(|(_, parent)| !parent.at_infinity)
+        .map(|(slot, parent)| slot.position.distance(parent.position));
+    percentile(lengths, 0.5)
+}
