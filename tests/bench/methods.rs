@@ -13,7 +13,14 @@ static DONE: LazyLock<Run> = LazyLock::new(|| {
     let run = Run::new();
     let methods = format!("--methods={}", METHODS.join(","));
     let options = ["--size=48x32", "--vpls=32", "--temporal-sets=4", "--frames=4", "--rounds=1", "--out=a"];
-    let quality = ["--quality", "--spp=512", "--antialiasing=none", "--reflections=none", "--validate"];
+    let quality = [
+        "--quality",
+        "--spp=512",
+        "--still-frames=8",
+        "--antialiasing=none",
+        "--reflections=none",
+        "--validate",
+    ];
     let output = run.glowworm(&[&["bench", "playroom", &methods], &options[..], &quality[..]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     run

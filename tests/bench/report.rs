@@ -19,6 +19,7 @@ pub static DONE: LazyLock<Run> = LazyLock::new(|| {
     let scenes = [
         "bench",
         "--antialiasing=none",
+        "--still-frames=8",
         "--reflections=none",
         "cornell-box",
         "playroom",

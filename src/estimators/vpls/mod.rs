@@ -218,9 +218,6 @@ impl Estimator for Vpls {
     }
 
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
-        if inputs.clock.is_frozen() {
-            return Ok(());
-        }
         let irradiance_scale = self.irradiance_scale();
         let all = VplUniforms {
             geometry_bound: self.geometry_bound(),
