@@ -184,8 +184,7 @@ impl Renderer {
         let pose = &*pose.about(self.anchor);
         let clock = self.clock.next(pose, &self.clock_inputs());
         self.still = clock.still_frames();
-        let redraws = std::mem::take(&mut self.redraws);
-        if clock.is_frozen() && !redraws {
+        if !std::mem::take(&mut self.redraws) && clock.is_frozen() {
             return self.stay(&clock);
         }
         let pending = self.update(pose, &clock);
