@@ -123,6 +123,7 @@ pub(super) fn stop(
     control: &mut Control<'_>,
 ) -> Result<(u32, f64), BenchError> {
     let pose = scene.pose(i64::from(frames) - 1, settings);
+    source.set_settings(settings, &pose)?;
     let mut last = source.picture()?.colour;
     let mut settling_frames = 0;
     let mut still = Vec::new();

@@ -110,6 +110,14 @@ impl FrameSource {
         }
     }
 
+    /// Goes on with other settings.
+    pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), BenchError> {
+        if let Self::Renderer(renderer) = self {
+            renderer.set_settings(settings, pose)?;
+        }
+        Ok(())
+    }
+
     /// Whether the picture stays, or never will, as long as nothing changes.
     pub fn rests(&self) -> bool {
         match self {
@@ -138,7 +146,9 @@ pub(super) fn measure(
     restart_cpu_peak();
     scene.device.restart_memory_peak();
     let first = -i64::from(warm_up(settings));
-    let mut source = FrameSource::new(scene, method, settings, &scene.pose(first, settings))?;
+    // What costs nothing as it stands still is no frame rate.
+    let moving = Settings { still_frames: 0, ..settings.clone() };
+    let mut source = FrameSource::new(scene, method, &moving, &scene.pose(first, settings))?;
     let mut samples = Samples::default();
     for number in first..i64::from(frames) {
         let (ms, figures) = source.render(&scene.pose(number, settings), control)?;
