@@ -344,7 +344,7 @@ fn a_light_that_goes_leaves_the_mirror() {
         fresh.render(&dark).unwrap();
         of(&fresh)
     }));
-    for (frames, left) in [(4, 0.05), (12, 0.01)] {
+    for (frames, left) in [(4, 0.05), (16, 0.01)] {
         (0..frames).for_each(|_| renderer.render(&dark).unwrap());
         let share = (of(&renderer) - after) / (before - after);
         eprintln!("{share} of the light is left after {frames} frames more");
