@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Standing still becomes the truth: the mean of the raw radiance, before all denoisers, of the frames in which nothing changes, and the
-// picture on its way from the denoised one to that mean, as far as the noise that is left in the mean allows. In: everything that
+// Progressive accumulation: the mean of raw radiance, before all denoisers, over the frames in which nothing changes. The picture fades
+// from the denoised one to that mean as its standard error falls. In: everything that
 // radiance is made of, as sampled; the denoised picture. Out: mean and picture.
 #include "frame.glsl"
 #include "radiance.glsl"

@@ -23,5 +23,6 @@ mod wide;
 mod world;
 
 pub use ray::{Hit, Occlusion, Ray};
+pub(crate) use top::transformed;
 pub use two_level::TwoLevelBvh;
 pub use world::{Transmission, World};

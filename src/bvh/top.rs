@@ -79,7 +79,7 @@ fn collapse_top(binary: &Bvh2) -> WideTree {
 }
 
 /// Bounds of a transformed box.
-fn transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
+pub(crate) fn transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     let centre = transform.transform_point3a(bounds.center());
     let extent = absolute(&transform.matrix3) * (bounds.diagonal() * 0.5);
     Aabb::new(centre - extent, centre + extent)

@@ -1,5 +1,5 @@
-//! `still`: what stands still becomes the truth. The one accumulation of raw radiance, before all denoisers and with the jitter of
-//! antialiasing, over the frames in which nothing changes, and the picture on its way to that mean.
+//! `still`: progressive accumulation. A still scene converges to the reference: the mean of raw radiance, before all denoisers and with
+//! the jitter of antialiasing, over all frames in which nothing changes. The picture fades from the denoised one to that mean.
 //!
 //! In: everything that radiance is made of, as sampled; the denoised picture. Out: the picture. Frames that a pixel has no sample of
 //! irradiance in are not in its mean.
@@ -13,8 +13,8 @@ use super::frame_inputs::FrameInputs;
 use super::storage_image;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// Share of the frames from which on the mean gains weight in the picture however noisy it is.
-const RIPE: f32 = 0.5;
+/// Share of the frames from which on the picture fades to the mean, however noisy that is.
+const FADE_START: f32 = 0.5;
 
 /// Irradiance of the visible surfaces as one frame has sampled it: an unbiased estimate that nothing has filtered.
 pub struct SampledIrradiance<'a> {
@@ -88,7 +88,7 @@ impl StillPass {
         if averaged.is_some() {
             self.counts[(offset[0] + 2 * offset[1]) as usize] += 1;
         }
-        let ripe = (inputs.clock.progress() - RIPE) / (1.0 - RIPE);
+        let fade = (inputs.clock.progress() - FADE_START) / (1.0 - FADE_START);
         let push = Push {
             counts: self.counts,
             represented: offset,
@@ -96,7 +96,7 @@ impl StillPass {
             scale,
             adds: u32::from(averaged.is_some()),
             is_antialiased: u32::from(still.antialiased.is_some()),
-            least_weight: ripe.max(0.0).powi(2),
+            least_weight: fade.max(0.0).powi(2),
         };
         let pass = frame.pass("still", &self.pipeline);
         still

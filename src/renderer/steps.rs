@@ -49,7 +49,7 @@ pub(super) fn record_reflections(
     Ok(reflections.denoise(frame, inputs)?)
 }
 
-/// Joins all light, smooths edges, lets what is still become the truth, and tone maps.
+/// Joins all light, smooths edges, fades to the mean of still frames, and tone maps.
 pub(super) fn post_process<'a>(
     frame: &mut Frame<'_>,
     (combine, mut taa, still): (&'a CombinePass, Option<&mut TaaPass>, Option<&mut StillPass>),

@@ -106,7 +106,7 @@ settings! {
     "reflections" reflections: Reflections = Reflections::Auto, choice::<Reflections>();
     /// Smoothing of edges.
     "antialiasing" antialiasing: Antialiasing = Antialiasing::Taa, choice::<Antialiasing>();
-    /// Frames in which nothing changes whose raw light is averaged until the picture is the truth and freezes; 0: none are. More: less
+    /// Still frames whose raw light is averaged; then the picture is that mean, and freezes; 0: no frame is averaged. More: less
     /// noise in the end, which takes longer; then frames cost nothing.
     "still_frames" still_frames: u32 = 1024, whole("N", 0, 1_000_000);
     /// Bounces of a light path. More: light reaches further; slots are shared among more bounces.

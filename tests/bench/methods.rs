@@ -18,6 +18,7 @@ static DONE: LazyLock<Run> = LazyLock::new(|| {
         "--spp=512",
         "--still-frames=8",
         "--antialiasing=none",
+        "--direct=hard",
         "--reflections=none",
         "--validate",
     ];

@@ -53,7 +53,7 @@ fn in_still_frames_all_paths_go_on_and_then_return() {
         for still in 0..2 * round {
             let shot = [&mut manager, &mut other].map(|manager| {
                 manager.invalidate(stage.world());
-                manager.shoot_anew(stage.world(), still)
+                manager.reshoot(stage.world(), still)
             });
             assert!(shot[0] == shot[1] && shot[0] <= budget);
             assert_eq!(places(&manager), places(&other), "still frame {still}");

@@ -25,7 +25,7 @@ void main() {
     uint index = gl_LocalInvocationIndex;
     uvec2 tile = gl_WorkGroupID.xy;
     VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + index];
-    // What cannot be asked is as likely as not.
+    // What cannot be light is as likely as not.
     float seen = 0.5;
     uint rays = 0u;
     // Each cluster asks another texel of the tile, in every turn another.

@@ -3,7 +3,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 // The discontinuity filter (Wald et al. 2002): the mean irradiance of the texels of an n x n pixel window that lie on
 // the surface of the texel in the middle. It is averaged with what the set buffer holds of that surface from the set's turns before.
-// Out: the layer of the set, rgb: scaled irradiance; then view depth and the number of draws.
+// Out: the layer of the set, rgb: scaled irradiance; then view depth and history length.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -65,17 +65,17 @@ vec4 filtered(ivec2 middle, Surface centre) {
 // The mean may lag by this share of a place's light.
 const float LAG = 0.25;
 
-// The mean of the draws of all turns, in which those before count as long as little has changed; a: how many.
-vec4 accumulated(vec4 drawn, ivec2 pixel, Surface centre) {
+// The mean over this turn and those before, as long as little has changed; a: history length.
+vec4 accumulated(vec4 sampled, ivec2 pixel, Surface centre) {
     vec4 before = vec4(0.0);
     if (vpl.longest_history > 0.0) {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         ObjectPoint point = to_object(instance, centre.position, centre.geometric);
         if (!look_up(vpl.layer, point, slope_at(pixel, centre), before)) before = vec4(0.0);
     }
-    float longest = min(vpl.longest_history, max(LAG / max(drawn.a, 1e-6) - 1.0, 0.0));
-    float draws = min(before.a, longest);
-    return vec4((drawn.rgb + draws * before.rgb * vpl.irradiance_scale) / (draws + 1.0), draws + 1.0);
+    float longest = min(vpl.longest_history, max(LAG / max(sampled.a, 1e-6) - 1.0, 0.0));
+    float turns = min(before.a, longest);
+    return vec4((sampled.rgb + turns * before.rgb * vpl.irradiance_scale) / (turns + 1.0), turns + 1.0);
 }
 
 void main() {

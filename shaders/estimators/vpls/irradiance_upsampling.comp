@@ -61,8 +61,8 @@ bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
     return weights > 0.0;
 }
 
-// What is known of the surfaces around that are most like the pixel's, by place and normal: rather another's light than none.
-vec4 around(ivec2 pixel, Surface surface) {
+// The irradiance of the neighbours that are most like the pixel in position and normal: a disoccluded pixel is wrong, not black.
+vec4 from_neighbours(ivec2 pixel, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
     float footprint = surface.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
     vec4 sum = vec4(0.0);
@@ -89,7 +89,7 @@ void main() {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         float variance;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
-        if (sum.a <= 0.0 && sets.set_step == 2u) sum = around(pixel, surface);
+        if (sum.a <= 0.0 && sets.set_step == 2u) sum = from_neighbours(pixel, surface);
     }
     imageStore(irradiance, pixel, storable(sum));
 }

@@ -1,6 +1,7 @@
 // The set buffers, and the lookup of a surface in them. Needs frame.glsl, scene_set.glsl, vpls.glsl, same_surface.glsl
 // and representative.glsl.
-// Define SET_BUFFERS_BINDING before including: it and the next are taken; and SET_BUFFERS_WRITTEN where the pass writes them, too. Twins: SetParameters, SetPush in
+// Define SET_BUFFERS_BINDING before including: it and the next are taken; and SET_BUFFERS_WRITTEN where the pass writes them, too.
+// Twins: SetParameters, SetPush in
 // src/estimators/vpls/set_buffers.rs.
 
 #ifdef SET_BUFFERS_WRITTEN
@@ -72,8 +73,8 @@ ViewPoint to_view(uint set, ObjectPoint point) {
     return view;
 }
 
-// Irradiance of a set, and how many draws it is the mean of, where its camera saw the point, bilinear among the texels on its surface, which leaves its plane by at
-// most `slope`, see slope.glsl; false where it did not.
+// Irradiance of a set, and its history length, where its camera saw the point, bilinear among the texels on its surface, which
+// leaves its plane by at most `slope`, see slope.glsl; false where it did not.
 bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
     SetParameters parameters = set_at(set);
     ViewPoint point = to_view(set, surface);
@@ -106,7 +107,7 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
         imageLoad(set_buffers, ivec3(low.x, high.y, layer)),
         imageLoad(set_buffers, ivec3(high, layer)));
     vec4 stored[4] = vec4[](unpack_texel(texels[0]), unpack_texel(texels[1]), unpack_texel(texels[2]), unpack_texel(texels[3]));
-    vec4 draws = vec4(draws_of(texels[0]), draws_of(texels[1]), draws_of(texels[2]), draws_of(texels[3]));
+    vec4 lengths = vec4(history_length_of(texels[0]), history_length_of(texels[1]), history_length_of(texels[2]), history_length_of(texels[3]));
 
     // Keep those whose surfaces, from their depths, are the point's.
     vec4 depths = vec4(stored[0].a, stored[1].a, stored[2].a, stored[3].a);
@@ -125,7 +126,7 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
     weight = mix(vec4(0.0), weight, same);
     float weights = weight.x + weight.y + weight.z + weight.w;
     vec3 irradiance = weight.x * stored[0].rgb + weight.y * stored[1].rgb + weight.z * stored[2].rgb + weight.w * stored[3].rgb;
-    found = vec4(irradiance * parameters.scale, dot(weight, draws)) / max(weights, 1e-6);
+    found = vec4(irradiance * parameters.scale, dot(weight, lengths)) / max(weights, 1e-6);
     return parameters.scale > 0.0 && p.z > 0.0 && weights > 0.0;
 }
 

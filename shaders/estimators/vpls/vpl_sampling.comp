@@ -68,23 +68,24 @@ float weight_of(ivec2 first, uint index) {
     return cluster.count > 0u ? sum / max(found, 1.0) * visibility_of(first, index) : 0.0;
 }
 
-// What the samples of a texel ask for, and how much of it crosses a place where something has moved; luminances.
-struct Asked {
+// Unoccluded luminance of the sampled VPLs: of all, and of those whose rays cross a box that an instance has swept.
+struct Unoccluded {
     float all;
     float changed;
 };
 
-vec3 gather_noting(Surface surface, GpuVpl light, float weight, inout Asked asked, inout uint rays) {
-    if (vpl_uniforms.data.moved[0].exists > 0.0) {
+// The light of one VPL times a weight, with its ray.
+vec3 sampled_light(Surface surface, GpuVpl light, float weight, inout Unoccluded unoccluded, inout uint rays) {
+    if (vpl_uniforms.data.swept[0].exists > 0.0) {
         float share = weight * luminance(unshadowed_irradiance(light, surface.position, surface.shading));
         vec3 origin = ray_origin(surface);
-        asked.all += share;
-        if (crosses_moved(origin, ray_to(light, origin))) asked.changed += share;
+        unoccluded.all += share;
+        if (crosses_swept_box(origin, ray_to(light, origin))) unoccluded.changed += share;
     }
     return gather(surface, light, rays) * weight;
 }
 
-vec3 estimate(Surface surface, uvec2 texel, inout Asked asked, inout uint rays) {
+vec3 estimate(Surface surface, uvec2 texel, inout Unoccluded unoccluded, inout uint rays) {
     BlockWeights weights = weights_from(0u);
     float shift = shift_of(texel, 0u);
     vec3 sum = vec3(0.0);
@@ -92,15 +93,15 @@ vec3 estimate(Surface surface, uvec2 texel, inout Asked asked, inout uint rays) 
         SampledVpl sampled = sample_vpl(weights, surface, (float(i) + shift) / float(push.samples));
         if (sampled.inverse_probability <= 0.0) continue;
         GpuVpl light = vpls.data[vpl.first_vpl + sampled.index];
-        sum += bounded(gather_noting(surface, light, sampled.inverse_probability, asked, rays), weights);
+        sum += bounded(sampled_light(surface, light, sampled.inverse_probability, unoccluded, rays), weights);
     }
     return sum / float(push.samples);
 }
 
-vec3 gather_all(Surface surface, inout Asked asked, inout uint rays) {
+vec3 gather_all(Surface surface, inout Unoccluded unoccluded, inout uint rays) {
     vec3 sum = vec3(0.0);
     for (uint i = push.first_sample; i < push.end_sample; i++) {
-        sum += gather_noting(surface, vpls.data[vpl.first_vpl + i], 1.0, asked, rays);
+        sum += sampled_light(surface, vpls.data[vpl.first_vpl + i], 1.0, unoccluded, rays);
     }
     return sum;
 }
@@ -119,13 +120,13 @@ void main() {
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, extent))) return;
     Surface surface = surface_at(representative(texel, push.set_step, vpl.representative, frame.size));
     vec3 irradiance = vec3(0.0);
-    Asked asked = Asked(0.0, 0.0);
+    Unoccluded unoccluded = Unoccluded(0.0, 0.0);
     uint rays = 0u;
     if (surface.depth > 0.0) {
-        irradiance = push.samples > 0u ? estimate(surface, uvec2(texel), asked, rays) : gather_all(surface, asked, rays);
+        irradiance = push.samples > 0u ? estimate(surface, uvec2(texel), unoccluded, rays) : gather_all(surface, unoccluded, rays);
     }
     irradiance *= vpl.irradiance_scale;
-    float changed = asked.changed / max(asked.all, 1e-30);
+    float changed = unoccluded.changed / max(unoccluded.all, 1e-30);
     if (push.first_sample > 0u) {
         vec4 before = imageLoad(sampled_irradiance, texel);
         irradiance += before.rgb;

@@ -1,14 +1,14 @@
 // VPLs, and what one sends to a point. Needs frame.glsl. Define VPLS_BINDING before including: it and the next are taken.
 // Twins: VplUniforms in src/estimators/vpls/vpl_buffer.rs, GpuVpl in src/estimators/vpls/manager/mod.rs.
 
-// A box that an instance has swept. Twin: src/estimators/vpls/moved.rs.
-struct MovedBox {
+// A box that an instance has swept. Twin: src/estimators/vpls/swept_bounds.rs.
+struct SweptBox {
     vec3 low;
     float exists; // 1: there is a box
     vec3 high;
     float pad;
 };
-const uint MOST_BOXES = 8u;
+const uint MAX_SWEPT_BOXES = 8u;
 
 struct VplUniforms {
     float geometry_bound;   // c, 1/m^2; 0: none
@@ -21,9 +21,9 @@ struct VplUniforms {
     uint bounces;           // of a path, at most
     uint cycle;             // how often all sets have had their turn
     uint target;            // layer of the set buffers that its turn writes
-    float longest_history;  // draws of its turns before that count, at most
+    float longest_history;  // turns before this one that its buffer is the mean of, at most
     vec4 set_weights[16];   // of each temporal set: the less, the more has changed since it was rendered
-    MovedBox moved[MOST_BOXES]; // since the set was last rendered; those that exist come first
+    SweptBox swept[MAX_SWEPT_BOXES]; // since the set was last rendered; those that exist come first
 };
 
 struct GpuVpl {
@@ -57,12 +57,12 @@ vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     return light.flux / PI * cosines * (bound > 0.0 ? min(inverse, bound) : inverse);
 }
 
-// Whether a ray crosses a place where an instance has moved, so that its occlusion may have changed.
-bool crosses_moved(vec3 origin, vec4 ray) {
+// Whether a ray crosses a box that an instance has swept, so that its occlusion may have changed.
+bool crosses_swept_box(vec3 origin, vec4 ray) {
     vec3 inverse = 1.0 / ray.xyz;
-    for (uint i = 0u; i < MOST_BOXES && vpl_uniforms.data.moved[i].exists > 0.0; i++) {
-        vec3 a = (vpl_uniforms.data.moved[i].low - origin) * inverse;
-        vec3 b = (vpl_uniforms.data.moved[i].high - origin) * inverse;
+    for (uint i = 0u; i < MAX_SWEPT_BOXES && vpl_uniforms.data.swept[i].exists > 0.0; i++) {
+        vec3 a = (vpl_uniforms.data.swept[i].low - origin) * inverse;
+        vec3 b = (vpl_uniforms.data.swept[i].high - origin) * inverse;
         vec3 near = min(a, b);
         vec3 far = max(a, b);
         if (max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, ray.w))) return true;

@@ -6,9 +6,9 @@
 use super::indirect_reprojection::IndirectReprojectionPass;
 use super::indirect_shading::IndirectShadingPass;
 use super::indirect_shadows::IndirectShadowsPass;
-use super::moved::Moved;
 use super::set_buffers::{SetBuffers, set_step};
 use super::staleness::Staleness;
+use super::swept_bounds::SweptBounds;
 use super::vpl_buffer::VplBuffer;
 use super::vpl_light::VplLightPass;
 use super::{Passes, VplManager, Vpls};
@@ -58,7 +58,7 @@ impl Vpls {
         }
         if new.vpl.temporal_sets != old.vpl.temporal_sets || path_key(new) != path_key(old) {
             self.staleness = Staleness::new(new.vpl.temporal_sets);
-            self.moved = Moved::new(context.world.scene, new.vpl.temporal_sets);
+            self.swept = SweptBounds::new(context.world.scene, new.vpl.temporal_sets);
         }
         if path_key(new) == path_key(old) {
             self.manager.set_budget(new.vpl.budget);

@@ -16,12 +16,12 @@ mod indirect_shadows;
 mod inspect;
 pub mod manager;
 mod method;
-mod moved;
 mod passes;
 mod path_lines;
 mod scale;
 mod set_buffers;
 mod staleness;
+mod swept_bounds;
 mod view;
 mod vpl_buffer;
 mod vpl_light;
@@ -52,7 +52,6 @@ use crate::settings::Settings;
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError};
 use hit_light::HitLightPass;
 pub(crate) use indirect_shadows::samples;
-use moved::{MOST_BOXES, Moved, MovedBox};
 use passes::Passes;
 use path_lines::PathView;
 use scale::{geometry_bound, median_segment_length, power_of_two_near};
@@ -60,6 +59,7 @@ use set_buffers::RenderedSet;
 #[cfg(feature = "bench")]
 pub(crate) use set_buffers::set_step;
 use staleness::Staleness;
+use swept_bounds::{MAX_SWEPT_BOXES, SweptBounds, SweptBox};
 use view::{VplViewPass, VplViewSources};
 use vpl_buffer::{UploadedSet, VplUniforms, rays_of};
 use vpl_light::VplLightPass;
@@ -77,8 +77,8 @@ pub struct Vpls {
     instances: usize,
     /// What has changed since each set was rendered.
     staleness: Staleness,
-    /// Where instances have moved since.
-    moved: Moved,
+    /// Boxes that instances have swept since.
+    swept: SweptBounds,
     /// What the frame is to render.
     frame_set: FrameSet,
     passes: Passes,
@@ -96,8 +96,8 @@ pub struct Vpls {
 #[derive(Default)]
 struct FrameSet {
     set: u32,
-    /// Its turn, after those of sets to render before their time.
-    rendered: Vec<Turn>,
+    /// That set, after those to render before their turn.
+    rendered: Vec<SampledSet>,
     /// Luminous flux of each set.
     flux: Vec<f32>,
     /// The VPL to look at, and what its light is multiplied by.
@@ -105,13 +105,13 @@ struct FrameSet {
 }
 
 /// A set that the frame renders.
-struct Turn {
+struct SampledSet {
     set: u32,
     vpls: Vec<GpuVpl>,
-    /// Draws of its turns before that count, at most.
+    /// See [`VplUniforms::longest_history`].
     longest_history: f32,
-    /// Where instances have moved since the last one.
-    moved: [MovedBox; MOST_BOXES],
+    /// See [`VplUniforms::swept`].
+    swept: [SweptBox; MAX_SWEPT_BOXES],
 }
 
 /// The passes of a view, made when they are first needed.
@@ -135,7 +135,7 @@ impl Vpls {
             scene_radius: context.scene_radius,
             instances,
             staleness: Staleness::new(context.settings.vpl.temporal_sets),
-            moved: Moved::new(context.world.scene, context.settings.vpl.temporal_sets),
+            swept: SweptBounds::new(context.world.scene, context.settings.vpl.temporal_sets),
             frame_set: FrameSet::default(),
             passes: Passes::new(context.device, context.tracer, context.settings, instances)?,
             uploaded: None,
@@ -179,7 +179,7 @@ impl Estimator for Vpls {
         self.manager.invalidate(world);
         let invalidated = Instant::now();
         match clock.averaged() {
-            Some(still) => self.manager.shoot_anew(world, still),
+            Some(still) => self.manager.reshoot(world, still),
             None if clock.is_moving() && self.settings.vpl.longest_history > 0 => {
                 self.manager.replace_in_motion(world, clock.frame as u32)
             }
@@ -189,15 +189,15 @@ impl Estimator for Vpls {
         self.staleness.advance(&self.manager, self.median_segment_length);
         let rerendered = self.staleness.stalest(set, self.settings.vpl.refresh);
         let longest = self.settings.vpl.longest_history;
-        self.moved.advance(world.scene, world.pose);
-        let turn = |set| Turn {
+        self.swept.advance(world.scene, world.pose);
+        let sampled = |set| SampledSet {
             set,
             vpls: self.manager.set_vpls(world, set),
             longest_history: self.staleness.history(set, longest),
-            moved: self.moved.take(set),
+            swept: self.swept.take(set),
         };
-        let rendered: Vec<_> = rerendered.into_iter().chain([set]).map(turn).collect();
-        for Turn { set, .. } in &rendered {
+        let rendered: Vec<_> = rerendered.into_iter().chain([set]).map(sampled).collect();
+        for SampledSet { set, .. } in &rendered {
             self.staleness.mark_rendered(*set);
         }
         self.frame_set = FrameSet {
@@ -233,16 +233,16 @@ impl Estimator for Vpls {
         passes.vpls.begin_counting(frame);
         let hit_share = self.manager.hit_share();
         let mut last = None;
-        for turn @ Turn { set, vpls, .. } in rendered {
+        for sampled @ SampledSet { set, vpls, .. } in rendered {
             let is_due = *set == self.frame_set.set;
             let representative =
                 passes.sets.representative(if is_due { inputs.clock.quarter() } else { *set });
             let uniforms = VplUniforms {
                 layer: *set,
                 representative,
-                longest_history: turn.longest_history,
+                longest_history: sampled.longest_history,
                 target: passes.sets.target(),
-                moved: turn.moved,
+                swept: sampled.swept,
                 ..all
             };
             let uploaded = passes.vpls.upload(frame, *set, vpls, &uniforms)?;
@@ -334,7 +334,7 @@ impl Estimator for Vpls {
 
     fn change_scene(&mut self, world: World<'_>) {
         self.median_segment_length = median_segment_length(world).unwrap_or(self.scene_radius);
-        self.moved = Moved::new(world.scene, self.settings.vpl.temporal_sets);
+        self.swept = SweptBounds::new(world.scene, self.settings.vpl.temporal_sets);
         self.manager.change_scene();
     }
 

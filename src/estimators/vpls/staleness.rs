@@ -25,7 +25,7 @@ pub struct Staleness {
     /// For each set the sum, over the frames since, of the share of all flux that changed.
     changes: Vec<f32>,
     /// For each set whether a light has changed since.
-    relit: Vec<bool>,
+    lights_changed: Vec<bool>,
     /// Position and luminous flux of each VPL in the last frame.
     last: Vec<(Vec3, f32)>,
 }
@@ -33,13 +33,17 @@ pub struct Staleness {
 impl Staleness {
     /// The state before anything is rendered.
     pub fn new(sets: u32) -> Self {
-        Self { changes: vec![0.0; sets as usize], relit: vec![false; sets as usize], last: Vec::new() }
+        Self {
+            changes: vec![0.0; sets as usize],
+            lights_changed: vec![false; sets as usize],
+            last: Vec::new(),
+        }
     }
 
     /// Compares the VPLs with those of the last frame.
     pub fn advance(&mut self, manager: &VplManager, median_segment_length: f32) {
-        if manager.is_relit() {
-            self.relit.fill(true);
+        if manager.are_lights_settling() {
+            self.lights_changed.fill(true);
         }
         if manager.counters().is_quiet() && !self.last.is_empty() && !manager.flux_changed() {
             return;
@@ -74,13 +78,13 @@ impl Staleness {
     /// Notes that a set is rendered.
     pub fn mark_rendered(&mut self, set: u32) {
         self.changes[set as usize] = 0.0;
-        self.relit[set as usize] = false;
+        self.lights_changed[set as usize] = false;
     }
 
-    /// How many of the draws that a set holds still count, at most `longest`: none where a light has changed, which few VPLs may tell of;
-    /// what crosses the way of light is known place by place, see `moved`.
+    /// How many turns of a set still count, at most `longest`: none where a light has changed, as few VPLs may be of it; what moves
+    /// between surfaces is known place by place, see `swept_bounds`.
     pub fn history(&self, set: u32, longest: u32) -> f32 {
-        if self.relit[set as usize] {
+        if self.lights_changed[set as usize] {
             return 0.0;
         }
         (LAG / self.changes[set as usize].max(1e-6) - 1.0).clamp(0.0, longest as f32)

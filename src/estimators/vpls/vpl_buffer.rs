@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::clusters::{CLUSTERS, VplCluster, clusters_of};
 use super::manager::GpuVpl;
-use super::moved::{MOST_BOXES, MovedBox};
+use super::swept_bounds::{MAX_SWEPT_BOXES, SweptBox};
 use crate::gpu_scene::to_u32;
 use crate::settings::VplSettings;
 use crate::vulkan::{Buffer, Device, Frame, Mirror, Pass, Upload, VulkanError};
@@ -46,12 +46,12 @@ pub struct VplUniforms {
     pub cycle: u32,
     /// Layer of the set buffers that its turn writes.
     pub target: u32,
-    /// Draws of its turns before that count, at most.
+    /// Turns before this one that its buffer is the mean of, at most.
     pub longest_history: f32,
     /// Weight of each temporal set: the less, the more has changed since it was rendered.
     pub set_weights: [f32; 64],
-    /// Where instances have moved since the set was last rendered.
-    pub moved: [MovedBox; MOST_BOXES],
+    /// Boxes that instances have swept since the set was last rendered; those that exist come first.
+    pub swept: [SweptBox; MAX_SWEPT_BOXES],
 }
 
 /// The VPLs of the frame's set in device memory.
@@ -158,7 +158,7 @@ mod tests {
             target,
             longest_history,
             set_weights,
-            moved
+            swept
         );
         same_layout!(
             shaders::VPL_LIGHT_COMP.software,

@@ -150,7 +150,7 @@ impl Assignment {
     }
 
     /// Gives a path the point of its light's sequence that comes as many points later as the light has paths.
-    pub(super) fn go_on(&mut self, path: usize) {
+    pub(super) fn advance_sequence(&mut self, path: usize) {
         let slots = self.path_starts[path] as usize..self.path_starts[path + 1] as usize;
         let light = self.addresses[self.path_slots[slots.start] as usize].light;
         let step = self.light_paths(light).len() as u32;

@@ -32,7 +32,7 @@ impl VplManager {
         }
         let lights_changed = self.changes.flux_changed || self.changes.light_changed.contains(&true);
         if lights_changed {
-            self.relit_in = Some(self.frame);
+            self.lights_changed_in = Some(self.frame);
         }
         let renewed = self.placement.follow(world, self.changes.geometry_moved, &self.changes.bounds);
         let light_changed = |light: usize| renewed || self.changes.light_changed[light];

@@ -26,7 +26,7 @@ impl VplManager {
 
     /// Shoots the paths whose turn it is in a still frame, so many that all have had theirs after as many frames as temporal sets, or
     /// as the budget allows. Nothing has changed: what they hold is as good as before.
-    pub(super) fn shoot_next_paths(&mut self, world: World<'_>, still: u32) -> u32 {
+    pub(super) fn reshoot_next_paths(&mut self, world: World<'_>, still: u32) -> u32 {
         let paths = self.assignment.paths();
         let longest = (0..paths).map(|path| self.assignment.path(path).len()).max().unwrap_or(1);
         let most = (self.budget.saturating_mul(self.vpls_per_slot) as usize / longest).max(1);
@@ -34,19 +34,19 @@ impl VplManager {
         let ranges: Vec<PathRange> = (still as usize % turns..paths)
             .step_by(turns)
             .map(|path| {
-                self.assignment.go_on(path);
+                self.assignment.advance_sequence(path);
                 PathRange { path, start: 0, end: self.assignment.path(path).len() }
             })
             .collect();
-        (self.has_gone_on, self.changed_in, self.relit_in) = (true, None, None);
+        (self.sequences_advanced, self.changed_in, self.lights_changed_in) = (true, None, None);
         self.shoot(world, &ranges);
         self.update_counters();
         ranges.iter().map(|range| range.end as u32).sum()
     }
 
     /// Has all paths return to their first points; those that have gone on are stale.
-    pub(super) fn return_to_first_points(&mut self) {
-        if !std::mem::take(&mut self.has_gone_on) {
+    pub(super) fn reset_sequences(&mut self) {
+        if !std::mem::take(&mut self.sequences_advanced) {
             return;
         }
         let first = Assignment::new(self.assignment.quota.clone(), &self.layout);

@@ -32,7 +32,7 @@ pub struct VplManager {
     /// Number of slots that are not fresh.
     pub(super) pending: u32,
     /// Whether paths have been shot anew by later points of their sequence.
-    pub(super) has_gone_on: bool,
+    pub(super) sequences_advanced: bool,
     pub(super) cursors: [Cursor; 2],
     pub(super) counters: VplCounters,
     /// Frames so far.
@@ -40,7 +40,7 @@ pub struct VplManager {
     /// The last frame in which lights or instances changed; none yet.
     pub(super) changed_in: Option<u32>,
     /// The last frame in which a light changed, or what reflects it.
-    pub(super) relit_in: Option<u32>,
+    pub(super) lights_changed_in: Option<u32>,
     /// The last invalidation of each slot since the last reassignment.
     pub(super) invalidations: Vec<Option<Invalidation>>,
 }
@@ -66,12 +66,12 @@ impl VplManager {
             surfaces: vec![WorldSurface::default(); layout.slots as usize],
             live: Vec::new(),
             pending: 0,
-            has_gone_on: false,
+            sequences_advanced: false,
             cursors: Default::default(),
             counters: VplCounters::default(),
             frame: 0,
             changed_in: None,
-            relit_in: None,
+            lights_changed_in: None,
             invalidations: vec![None; layout.slots as usize],
             vpls_per_slot: settings.vpl.vpls_per_slot(),
             budget: settings.vpl.budget.max(1),
@@ -103,7 +103,7 @@ impl VplManager {
         self.placement.mark_dirty();
         self.slots.iter_mut().for_each(|slot| slot.fresh = false);
         self.update_counters();
-        (self.changed_in, self.relit_in) = (Some(self.frame), Some(self.frame));
+        (self.changed_in, self.lights_changed_in) = (Some(self.frame), Some(self.frame));
     }
 
     /// Algorithm 2: invalidates slots that no longer match the scene; returns how many.
@@ -117,15 +117,15 @@ impl VplManager {
 
     /// Algorithm 3: shoots up to the budget, invalid slots first, then stale ones; returns how many.
     pub fn replace(&mut self, world: World<'_>) -> u32 {
-        self.return_to_first_points();
+        self.reset_sequences();
         self.counters.shot = self.replace_slots(world);
         self.counters().shot
     }
 
     /// Instead of [`Self::replace`] in the still frame of this number: shoots the next paths anew, by the next points of their
     /// sequence, so that the frames' mean goes to that of all paths; returns how many slots.
-    pub fn shoot_anew(&mut self, world: World<'_>, still: u32) -> u32 {
-        self.counters.shot = self.shoot_next_paths(world, still);
+    pub fn reshoot(&mut self, world: World<'_>, still: u32) -> u32 {
+        self.counters.shot = self.reshoot_next_paths(world, still);
         self.counters().shot
     }
 
@@ -134,13 +134,13 @@ impl VplManager {
     pub fn replace_in_motion(&mut self, world: World<'_>, frame: u32) -> u32 {
         let waits = self.pending > 0;
         self.counters.shot =
-            if waits { self.replace_slots(world) } else { self.shoot_next_paths(world, frame) };
+            if waits { self.replace_slots(world) } else { self.reshoot_next_paths(world, frame) };
         self.counters().shot
     }
 
     /// Whether all slots hold what a fresh start would have made.
     pub fn is_fresh(&self) -> bool {
-        self.pending == 0 && !self.has_gone_on
+        self.pending == 0 && !self.sequences_advanced
     }
 
     /// Counters of the frame so far.
@@ -169,8 +169,8 @@ impl VplManager {
     }
 
     /// Whether that is so because lights, or the materials that reflect them, have changed.
-    pub fn is_relit(&self) -> bool {
-        self.is_within_budget(self.relit_in)
+    pub fn are_lights_settling(&self) -> bool {
+        self.is_within_budget(self.lights_changed_in)
     }
 
     /// Whether slots may still await replacement since that frame.

@@ -1,21 +1,23 @@
 //! Where instances have moved since each temporal set was rendered.
 //!
-//! In: the pose of each frame. Out: for a set, boxes: of rays that cross none of them, the occlusion is what it was.
+//! In: the pose of each frame. Out: for each set, boxes in world space. The occlusion of a ray that crosses none of them is unchanged.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec3, Vec3A};
+use glam::{Affine3A, Vec3};
+use obvhs::aabb::Aabb;
 
-use crate::scene::{Pose, Scene};
+use crate::bvh::transformed;
+use crate::scene::{Instance, Pose, Scene};
 
 /// Boxes that shaders are told of, at most. Twin: shaders/estimators/vpls/vpls.glsl.
-pub const MOST_BOXES: usize = 8;
-/// The mover of a box that holds those of several instances.
+pub const MAX_SWEPT_BOXES: usize = 8;
+/// Stands for an instance, where a box bounds what several have swept.
 const SEVERAL: usize = usize::MAX;
 
-/// A box in world space; `MovedBox` in shaders/estimators/vpls/vpls.glsl.
+/// A box in world space; `SweptBox` in shaders/estimators/vpls/vpls.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct MovedBox {
+pub struct SweptBox {
     low: Vec3,
     /// 1: there is a box.
     exists: f32,
@@ -23,16 +25,11 @@ pub struct MovedBox {
     pad: f32,
 }
 
-impl MovedBox {
-    /// Around a box from object space.
-    fn around((low, high): (Vec3, Vec3), to_world: &Affine3A) -> Self {
-        let centre = to_world.transform_point3(0.5 * (low + high));
-        let half = Vec3A::from(0.5 * (high - low));
-        let columns = to_world.matrix3;
-        let extent = Vec3::from(
-            columns.x_axis.abs() * half.x + columns.y_axis.abs() * half.y + columns.z_axis.abs() * half.z,
-        );
-        Self { low: centre - extent, exists: 1.0, high: centre + extent, pad: 0.0 }
+impl SweptBox {
+    /// Bounds of a box in object space.
+    fn of((low, high): (Vec3, Vec3), to_world: &Affine3A) -> Self {
+        let bounds = transformed(&Aabb::new(low.into(), high.into()), to_world);
+        Self { low: bounds.min.into(), exists: 1.0, high: bounds.max.into(), pad: 0.0 }
     }
 
     fn union(self, other: Self) -> Self {
@@ -41,15 +38,15 @@ impl MovedBox {
 }
 
 /// The boxes that instances have swept since each set was rendered.
-pub struct Moved {
+pub struct SweptBounds {
     /// Object-space bounds of each mesh.
     meshes: Vec<(Vec3, Vec3)>,
     last: Vec<Affine3A>,
     /// For each set: the instance that swept a box, and the box.
-    swept: Vec<Vec<(usize, MovedBox)>>,
+    swept: Vec<Vec<(usize, SweptBox)>>,
 }
 
-impl Moved {
+impl SweptBounds {
     /// Nothing has moved yet.
     pub fn new(scene: &Scene, sets: u32) -> Self {
         Self {
@@ -62,12 +59,11 @@ impl Moved {
     /// Compares the transforms with those of the last frame.
     pub fn advance(&mut self, scene: &Scene, pose: &Pose) {
         let both = scene.instances.iter().zip(self.last.iter().zip(&pose.instances)).enumerate();
-        let moves =
-            |(index, (instance, (from, to))): (usize, (&crate::scene::Instance, (&Affine3A, &Affine3A)))| {
-                let mesh = self.meshes[instance.mesh];
-                (instance.visible && from != to)
-                    .then(|| (index, MovedBox::around(mesh, from).union(MovedBox::around(mesh, to))))
-            };
+        let moves = |(index, (instance, (from, to))): (usize, (&Instance, (&Affine3A, &Affine3A)))| {
+            let mesh = self.meshes[instance.mesh];
+            (instance.visible && from != to)
+                .then(|| (index, SweptBox::of(mesh, from).union(SweptBox::of(mesh, to))))
+        };
         let moves: Vec<_> = both.filter_map(moves).collect();
         for boxes in &mut self.swept {
             moves.iter().for_each(|&(mover, swept)| add(boxes, mover, swept));
@@ -76,8 +72,8 @@ impl Moved {
     }
 
     /// The boxes of a set that is rendered now. There are none from then on.
-    pub fn take(&mut self, set: u32) -> [MovedBox; MOST_BOXES] {
-        let mut boxes = [MovedBox::default(); MOST_BOXES];
+    pub fn take(&mut self, set: u32) -> [SweptBox; MAX_SWEPT_BOXES] {
+        let mut boxes = [SweptBox::default(); MAX_SWEPT_BOXES];
         for (to, (_, from)) in boxes.iter_mut().zip(self.swept[set as usize].drain(..)) {
             *to = from;
         }
@@ -86,11 +82,11 @@ impl Moved {
 }
 
 /// Adds what an instance has swept to its box; where there are too many, all become one.
-fn add(boxes: &mut Vec<(usize, MovedBox)>, mover: usize, swept: MovedBox) {
+fn add(boxes: &mut Vec<(usize, SweptBox)>, mover: usize, swept: SweptBox) {
     let joined = boxes.first().is_some_and(|(first, _)| *first == SEVERAL);
     if let Some((_, known)) = boxes.iter_mut().find(|(known, _)| joined || *known == mover) {
         *known = known.union(swept);
-    } else if boxes.len() < MOST_BOXES {
+    } else if boxes.len() < MAX_SWEPT_BOXES {
         boxes.push((mover, swept));
     } else {
         let all = boxes.drain(..).fold(swept, |all, (_, swept)| all.union(swept));
@@ -102,8 +98,8 @@ fn add(boxes: &mut Vec<(usize, MovedBox)>, mover: usize, swept: MovedBox) {
 mod tests {
     use super::*;
 
-    fn box_at(x: f32) -> MovedBox {
-        MovedBox::around((Vec3::splat(-1.0), Vec3::splat(1.0)), &Affine3A::from_translation(Vec3::X * x))
+    fn box_at(x: f32) -> SweptBox {
+        SweptBox::of((Vec3::splat(-1.0), Vec3::splat(1.0)), &Affine3A::from_translation(Vec3::X * x))
     }
 
     #[test]
