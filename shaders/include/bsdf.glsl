@@ -122,15 +122,27 @@ float reflected_density(Reflection r, vec3 direction) {
     return ggx_distribution(r.normal, half_way, r.alpha) * masking;
 }
 
-// Samples the GGX lobe by its visible normals. The frame is that of `Frame::around` in src/sampling.rs.
-Sampled sample_reflected(Reflection r, vec2 u) {
-    if (r.mirror) return Sampled(reflect(-r.to_eye, r.normal), -1.0);
+// Tangent, bitangent and normal. Twin: `Frame::around` in src/sampling.rs.
+mat3 frame_around(vec3 normal) {
     const vec3 TANGENT = vec3(-0.8, 0.0, 0.6);
-    vec3 sum = vec3(-0.48, -0.6, -0.64) + r.normal;
+    vec3 sum = vec3(-0.48, -0.6, -0.64) + normal;
     float squared = dot(sum, sum);
     vec3 x = squared > 1e-10 ? TANGENT - sum * (2.0 * dot(TANGENT, sum) / squared) : TANGENT;
-    x = normalize(x - r.normal * dot(x, r.normal));
-    vec3 y = cross(r.normal, x);
+    x = normalize(x - normal * dot(x, normal));
+    return mat3(x, cross(normal, x), normal);
+}
+
+// A direction about +z with the density cosine/pi.
+vec3 cosine_hemisphere(vec2 u) {
+    float angle = 2.0 * PI * u.x;
+    return vec3(sqrt(u.y) * vec2(cos(angle), sin(angle)), sqrt(max(1.0 - u.y, 0.0)));
+}
+
+// Samples the GGX lobe by its visible normals.
+Sampled sample_reflected(Reflection r, vec2 u) {
+    if (r.mirror) return Sampled(reflect(-r.to_eye, r.normal), -1.0);
+    mat3 axes = frame_around(r.normal);
+    vec3 x = axes[0], y = axes[1];
     vec3 stretched = normalize(vec3(r.alpha * dot(x, r.to_eye), r.alpha * dot(y, r.to_eye), r.cosine));
     float z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
     float angle = 2.0 * PI * u.x;

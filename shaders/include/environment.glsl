@@ -1,12 +1,15 @@
 // Light from everywhere around the scene. Needs frame.glsl and scene_set.glsl.
 
-// Radiance from a direction of any length, bilinear; it repeats to the sides. Twin: Environment::radiance in src/scene/environment.rs.
-vec3 environment_radiance(vec3 direction) {
-    vec3 d = normalize(direction);
+// The place in the map of a unit vector, from the top left.
+vec2 environment_place(vec3 direction) {
     float turn = frame.background.w;
-    vec2 xz = vec2(cos(turn) * d.x - sin(turn) * d.z, sin(turn) * d.x + cos(turn) * d.z);
+    vec2 xz = vec2(cos(turn) * direction.x - sin(turn) * direction.z, sin(turn) * direction.x + cos(turn) * direction.z);
     // Towards a pole any azimuth will do.
     float azimuth = dot(xz, xz) > 0.0 ? atan(xz.x, -xz.y) : 0.0;
-    vec2 uv = vec2(azimuth / (2.0 * PI) + 0.5, atan(length(xz), d.y) / PI);
-    return frame.background.rgb * textureLod(environment_map, uv, 0.0).rgb;
+    return vec2(azimuth / (2.0 * PI) + 0.5, atan(length(xz), direction.y) / PI);
+}
+
+// Radiance from a direction of any length, bilinear; it repeats to the sides. Twin: Environment::radiance in src/scene/environment.rs.
+vec3 environment_radiance(vec3 direction) {
+    return frame.background.rgb * textureLod(environment_map, environment_place(normalize(direction)), 0.0).rgb;
 }

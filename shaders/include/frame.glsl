@@ -13,11 +13,11 @@ struct FrameUniforms {
     uint noise_frame;              // number of the frame in the sequence of random numbers
     vec2 jitter;                   // from the middle of a pixel to where it is sampled, pixels
     uint seed;                     // of random numbers
-    uint area_light_count;         // where these are sampled by rays
+    uint area_light_count;         // whose direct light rays sample
     float reflection_limit;        // roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never
     float footprint;               // what of a pixel's width textures are averaged over
     uint tone_map;                 // the tone curve
-    uint pad2;
+    uint all_area_lights;          // of the scene
 };
 
 layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } frame_uniforms;

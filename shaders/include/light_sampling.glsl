@@ -40,6 +40,7 @@ struct LightSample {
     float reach;     // along it to the light, FAR at most
     vec3 irradiance; // across it, over the density of the direction; 0: nothing comes from there
     float gloss;     // share of the GGX lobe that counts
+    float density;   // of the direction if points were uniform on the light, 1/sr; 0: rays do not meet the light
 };
 
 bool emitter_is_opaque(Emitter emitter, vec2 weights) {
@@ -70,11 +71,13 @@ LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss
     vec3 d = point - origin;
     float squared = dot(d, d);
     float cosine = -dot(normal, d);
-    LightSample none = LightSample(normal, 0.0, vec3(0.0), gloss);
+    LightSample none = LightSample(normal, 0.0, vec3(0.0), gloss, 0.0);
     if (!(cosine > 0.0 && squared > 0.0) || !emitter_is_opaque(emitter, weights)) return none;
     vec3 end = point + normal * ray_offset(point) - origin;
     float reach = length(end);
-    return LightSample(end / reach, reach, emitter.radiance.rgb * (cosine * inversesqrt(squared) / (squared * emitter.edge_u.w)), gloss);
+    float solid_angle = cosine * inversesqrt(squared) / squared; // of a unit of area
+    float density = light.is_visible == 1u ? 1.0 / (solid_angle * light.area) : 0.0;
+    return LightSample(end / reach, reach, emitter.radiance.rgb * (solid_angle / emitter.edge_u.w), gloss, density);
 }
 
 // Samples a point of a light; rays to it begin at `origin`.
@@ -87,7 +90,7 @@ LightSample sample_light(uint index, ShadingPoint point, vec3 origin, vec2 u) {
     vec3 to_light;
     vec3 irradiance = unshadowed(light, point.surface.position, to_light);
     LightCone cone = cone_of(light, origin);
-    LightSample result = LightSample(vec3(0.0), 0.0, irradiance * gain_of(cone), 1.0);
+    LightSample result = LightSample(vec3(0.0), 0.0, irradiance * gain_of(cone), 1.0, 0.0);
     result.to_light = sample_cone(cone, u, result.reach);
     return result;
 }

@@ -10,16 +10,19 @@ const uint NOISE_FRAMES = 32u;
 
 vec2 unit_of(uvec2 bits) { return vec2(bits >> 8u) * exp2(-24.0); }
 
-// Two numbers from 0 to 1 for a pixel of this frame: others for each dimension.
-vec2 noise(ivec2 pixel, uint dimension) {
-    uvec3 bits = pcg3d(uvec3(pixel, frame.noise_frame * 64u + dimension));
+// Two numbers from 0 to 1 for a pixel: others for each dimension and each frame of the sequence.
+vec2 noise_of(ivec2 pixel, uint frame_index, uint dimension) {
+    uvec3 bits = pcg3d(uvec3(uvec2(pixel) + (dimension / 64u << 16u), frame_index * 64u + dimension % 64u));
     vec2 white = unit_of(pcg3d(bits ^ uvec3(frame.seed)).xy);
     if (WHITE_NOISE == 1u) return white;
     // Each dimension and each cycle of the table looks elsewhere in it.
-    uvec2 place = pcg3d(uvec3(dimension, frame.noise_frame / NOISE_FRAMES, frame.seed)).xy >> 8u;
+    uvec2 place = pcg3d(uvec3(dimension, frame_index / NOISE_FRAMES, frame.seed)).xy >> 8u;
     uvec2 texel = (uvec2(pixel) + place) % NOISE_SIDE;
-    uint index = (frame.noise_frame % NOISE_FRAMES * NOISE_SIDE + texel.y) * NOISE_SIDE + texel.x;
+    uint index = (frame_index % NOISE_FRAMES * NOISE_SIDE + texel.y) * NOISE_SIDE + texel.x;
     uint both = blue_noise.words[index / 2u] >> (index % 2u * 16u);
     // White noise fills the gaps between 256 values: what is rarer would never be chosen.
     return min((vec2(both & 255u, both >> 8u & 255u) + white) / 256.0, 1.0 - exp2(-24.0));
 }
+
+// The numbers of this frame.
+vec2 noise(ivec2 pixel, uint dimension) { return noise_of(pixel, frame.noise_frame, dimension); }

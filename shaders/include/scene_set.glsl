@@ -11,7 +11,7 @@ struct InstanceData {
     vec4 emission;                    // rgb: what its materials' emission is multiplied by
     uint flips_winding;                  // 1: its transform swaps left and right
     uint first_triangle;              // of its mesh, among those of all
-    uint pad1;
+    uint area_light;                  // index of the area light that it is, plus one; 0: none
     uint pad2;
 };
 
@@ -80,7 +80,7 @@ struct AreaLightData {
     uint first;  // of its emitters
     uint count;
     uint is_visible; // to rays
-    uint pad0;
+    float area;  // of its emitters
 };
 
 // A triangle, in the world; its normal is that of the side that emits.
@@ -143,7 +143,7 @@ SCENE_BUFFER(8) AreaLightBlock { AreaLightData data[]; } area_lights;
 SCENE_BUFFER(9) EmitterBlock { Emitter data[]; } emitters;
 // Equirectangular, from the top left; its middle lies towards -z, its right half towards +x. One texel where there is no map.
 layout(set = 1, binding = 10) uniform sampler2D environment_map;
-// The cumulative distribution of its luminance: of the rows of cells, then of the cells of each row (src/scene/environment.rs).
+// The cumulative distribution of its luminance: of the rows of cells, then of the cells of each row, and its integral (src/scene/environment.rs).
 SCENE_BUFFER(11) EnvironmentBlock { float cumulative[]; } environment_distribution;
 // Two channels of 8 bits, frame by frame, 64 x 64 texels each: two texels a word. See examples/blue_noise.rs.
 SCENE_BUFFER(12) BlueNoiseBlock { uint words[]; } blue_noise;

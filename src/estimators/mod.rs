@@ -6,6 +6,8 @@
 mod method;
 pub mod none;
 mod pass_list;
+pub mod paths;
+mod ray_counters;
 pub mod vpls;
 
 use std::any::Any;
@@ -264,7 +266,7 @@ pub struct ViewInputs<'a> {
 }
 
 /// One line a method. [`register`] adds those of other crates.
-static METHODS: Registry<Method> = Registry::new(&[vpls::METHOD, none::METHOD]);
+static METHODS: Registry<Method> = Registry::new(&[vpls::METHOD, paths::METHOD, none::METHOD]);
 
 /// All methods.
 pub fn methods() -> &'static [Method] {

@@ -26,8 +26,8 @@ pub struct AreaLightData {
     pub count: u32,
     /// Whether rays can hit it.
     pub is_visible: u32,
-    /// Unused.
-    pub pad0: u32,
+    /// Of its emitters.
+    pub area: f32,
 }
 
 /// A triangle; `Emitter` in shaders/include/light_sampling.glsl.
@@ -59,6 +59,8 @@ struct Key {
 pub struct AreaLights {
     lights: Vec<AreaLightData>,
     emitters: Vec<Emitter>,
+    /// Of each instance the index of its light plus one, or 0.
+    of_instance: Vec<u32>,
     key: Option<Key>,
 }
 
@@ -84,6 +86,7 @@ impl AreaLights {
             return;
         }
         (self.lights, self.emitters) = (Vec::new(), Vec::new());
+        self.of_instance = vec![0; scene.instances.len()];
         for (instance, triangles, transform) in &key.lights {
             self.add(scene, *instance, triangles, transform);
         }
@@ -93,6 +96,11 @@ impl AreaLights {
     /// How many lights there are that emit anything.
     pub fn count(&self) -> u32 {
         to_u32(self.lights.len())
+    }
+
+    /// Index of the light that an instance is, plus one; 0: none.
+    pub fn of_instance(&self, instance: usize) -> u32 {
+        self.of_instance.get(instance).copied().unwrap_or(0)
     }
 
     /// Uploads the tables. An empty one has one entry.
@@ -157,6 +165,7 @@ impl AreaLights {
             before = up_to;
         }
         let bounds = BoundingSphere::around((low, high));
+        self.of_instance[instance] = to_u32(self.lights.len()) + 1;
         self.lights.push(AreaLightData {
             centre: bounds.center.extend(bounds.radius),
             facing: (facing / area).extend(0.0),
@@ -164,7 +173,7 @@ impl AreaLights {
             first: to_u32(first),
             count: to_u32(self.emitters.len() - first),
             is_visible: u32::from(scene.instances[instance].visible),
-            ..AreaLightData::default()
+            area,
         });
     }
 }
@@ -178,7 +187,7 @@ mod tests {
     #[test]
     fn structs_have_the_layout_of_the_shaders() {
         let shader = shaders::SOFT_SHADOWS_TRACE_COMP.software;
-        same_layout!(shader, AreaLightData, centre, facing, power, first, count, is_visible, pad0);
+        same_layout!(shader, AreaLightData, centre, facing, power, first, count, is_visible, area);
         same_layout!(shader, Emitter, corner, edge_u, edge_v, radiance, uvs, uv);
     }
 }

@@ -19,7 +19,7 @@ pub struct EnvironmentTexture {
     image: Image,
     /// Repeats to the sides, ends at the poles.
     sampler: Sampler,
-    /// The cumulative distribution of the map's luminance, rows first; a single 0 without a map.
+    /// The cumulative distribution of the map's luminance, rows first, and its integral in units of texels; a single 0 without a map.
     distribution: Buffer,
     map: Option<Arc<EnvironmentMap>>,
     /// Texels hold radiance over this power of two.
@@ -36,7 +36,10 @@ impl EnvironmentTexture {
         let packed: Vec<u32> = texels.iter().map(|&texel| pack(texel / scale)).collect();
         let level = (width as u32, height as u32, bytemuck::cast_slice(&packed).to_vec());
         let format = vk::Format::E5B9G9R9_UFLOAT_PACK32;
-        let distribution = map.as_ref().map_or_else(|| vec![0.0], |map| map.distribution());
+        let mut distribution = map.as_ref().map_or_else(|| vec![0.0], |map| map.distribution());
+        if let Some(integral) = distribution.last_mut() {
+            *integral /= scale;
+        }
         let modes = [vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE];
         Ok(Self {
             image: Image::with_levels(device, "environment", format, &[level])?,

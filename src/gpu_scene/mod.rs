@@ -139,7 +139,7 @@ impl GpuScene {
     ) -> Result<FrameScene, VulkanError> {
         self.tracer.update(frame, bvh)?;
         Ok(FrameScene {
-            instances: self.buffers.upload_instances(frame, scene, pose)?,
+            instances: self.buffers.upload_instances(frame, scene, pose, &self.area_lights)?,
             lights: frame.upload(&self.lights)?,
             area_lights: self.area_lights.upload(frame)?,
         })

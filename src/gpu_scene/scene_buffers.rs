@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
+use super::area_lights::AreaLights;
 use super::clusters::Draw;
 use super::environment::EnvironmentTexture;
 use super::geometry::{Geometry, first_triangles};
@@ -163,6 +164,7 @@ impl SceneBuffers {
         frame: &mut Frame<'_>,
         scene: &Scene,
         pose: &Pose,
+        area_lights: &AreaLights,
     ) -> Result<Arc<Buffer>, VulkanError> {
         if self.previous.len() != pose.instances.len() {
             self.previous.clone_from(&pose.instances);
@@ -174,13 +176,15 @@ impl SceneBuffers {
             .zip(&self.previous)
             .zip(emission)
             .zip(&self.first_triangles)
-            .map(|(((now, before), emission), &first_triangle)| InstanceData {
+            .enumerate()
+            .map(|(instance, (((now, before), emission), &first_triangle))| InstanceData {
                 object_to_world: rows(now),
                 world_to_object: rows(&now.inverse()),
                 previous_object_to_world: rows(before),
                 emission: emission.extend(0.0),
                 flips_winding: u32::from(now.matrix3.determinant() < 0.0),
                 first_triangle,
+                area_light: area_lights.of_instance(instance),
                 ..InstanceData::default()
             })
             .collect();

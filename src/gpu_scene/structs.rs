@@ -56,7 +56,7 @@ pub struct FrameUniforms {
     pub jitter: Vec2,
     /// Of random numbers.
     pub seed: u32,
-    /// Area lights that rays sample.
+    /// Area lights whose direct light rays sample.
     pub area_light_count: u32,
     /// Roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never.
     pub reflection_limit: f32,
@@ -64,8 +64,8 @@ pub struct FrameUniforms {
     pub footprint: f32,
     /// The tone curve: see [`ToneMap`](crate::settings::ToneMap).
     pub tone_map: u32,
-    /// Unused.
-    pub pad2: u32,
+    /// Area lights of the scene.
+    pub all_area_lights: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -84,8 +84,8 @@ pub struct InstanceData {
     pub flips_winding: u32,
     /// The first triangle of its mesh among those of all meshes.
     pub first_triangle: u32,
-    /// Unused.
-    pub pad1: u32,
+    /// Index of the area light that it is, plus one; 0: none.
+    pub area_light: u32,
     /// Unused.
     pub pad2: u32,
 }
@@ -264,7 +264,7 @@ pub(crate) mod tests {
             reflection_limit,
             footprint,
             tone_map,
-            pad2
+            all_area_lights
         );
     }
 
@@ -279,7 +279,7 @@ pub(crate) mod tests {
             emission,
             flips_winding,
             first_triangle,
-            pad1,
+            area_light,
             pad2
         );
         same_layout!(

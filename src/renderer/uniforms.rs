@@ -59,11 +59,11 @@ impl Renderer {
             noise_frame: clock.noise_frame(),
             jitter,
             seed: self.resolved.seed,
+            all_area_lights: area_light_count,
             area_light_count: if self.resolved.direct == Direct::Soft { area_light_count } else { 0 },
             reflection_limit: self.passes.reflections.as_ref().map_or(-1.0, Reflections::limit),
             footprint: if self.resolved.antialiasing == Antialiasing::Taa { JITTERED_FOOTPRINT } else { 1.0 },
             tone_map: self.resolved.tone_map as u32,
-            ..FrameUniforms::default()
         };
         FrameSetup { pose, uniforms, unjittered: [unjittered, previous] }
     }

@@ -155,9 +155,10 @@ impl EnvironmentMap {
         (self.width, self.height, &self.texels)
     }
 
-    /// The cumulative distribution that directions are sampled by: of the rows of cells, then of the cells of each row.
+    /// The cumulative distribution that directions are sampled by: of the rows of cells, then of the cells of each row; at the end the
+    /// integral of what it is of.
     pub(crate) fn distribution(&self) -> Vec<f32> {
-        [&self.rows[..], &self.columns].concat()
+        [&self.rows[..], &self.columns, &[self.integral]].concat()
     }
 
     /// Luminance at the corners of a cell: left and right, above, then below.

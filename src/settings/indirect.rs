@@ -8,6 +8,8 @@ registered! {
 
     /// The default.
     VPLS = "vpls", "Virtual point lights: instant radiosity with temporal sets";
+    /// One-sample path tracing.
+    PATHS = "paths", "Path tracing: one path a pixel and frame, denoised";
     /// No estimator.
     NONE = "none", "Nothing: direct light only";
 }

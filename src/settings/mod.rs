@@ -9,6 +9,7 @@ mod effects;
 mod error;
 mod indirect;
 mod options;
+mod paths;
 mod registered;
 mod setting;
 mod svgf;
@@ -20,6 +21,7 @@ pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
 pub use indirect::Indirect;
 pub use options::GivenSettings;
+pub use paths::PathSettings;
 pub use svgf::SvgfSettings;
 pub use vpls::{MissingSets, Sequence, VplSettings};
 
@@ -137,12 +139,14 @@ settings! {
         svgf: SvgfSettings,
         /// Settings of virtual point lights.
         vpl: VplSettings,
+        /// Settings of path tracing.
+        paths: PathSettings,
     }
 }
 
 /// All groups, the shared one first.
-pub(crate) const GROUPS: [Group; 4] =
-    [Settings::GROUP, EffectSettings::GROUP, SvgfSettings::GROUP, VplSettings::GROUP];
+pub(crate) const GROUPS: [Group; 5] =
+    [Settings::GROUP, EffectSettings::GROUP, SvgfSettings::GROUP, VplSettings::GROUP, PathSettings::GROUP];
 
 /// Every setting, in the order of the groups.
 pub(crate) fn all() -> impl Iterator<Item = &'static Setting> {

@@ -35,7 +35,7 @@ impl HitLightPass {
             .read("hit_place", hits.place)
             .read("hit_weight", hits.weight)
             .write("reflection", hits.reflection)
-            .write("ray_counters", &*set.ray_counters)
+            .write("ray_counters", set.ray_counters.buffer())
             .push(&SamplingPush::of_share(set_share));
         set.bind(pass).dispatch_over(hits.reflection.extent())
     }

@@ -142,7 +142,7 @@ impl IndirectShadowsPass {
                 .read("cluster_visibility", &self.cluster_visibility)
                 .write("cluster_weights", &self.cluster_weights)
                 .write("sampled_irradiance", &self.irradiance)
-                .write("ray_counters", &*set.ray_counters)
+                .write("ray_counters", set.ray_counters.buffer())
                 .push(&push);
             // Blocks may lie before the first texel.
             set.bind(pass).dispatch_over(extent.map(|side| side + BLOCK - 1))?;
@@ -167,7 +167,7 @@ impl IndirectShadowsPass {
             .bind(frame.pass("cluster_visibility", &self.visibility))
             .read("vpl_clusters", &*set.clusters)
             .write("cluster_visibility", &self.cluster_visibility)
-            .write("ray_counters", &*set.ray_counters)
+            .write("ray_counters", set.ray_counters.buffer())
             .push(&all);
         set.bind(pass).dispatch_threads([all.tiles[0] * threads, all.tiles[1], 1])
     }
@@ -185,7 +185,7 @@ impl IndirectShadowsPass {
             .read("vpl_clusters", &*set.clusters)
             .read("cluster_weights", &self.cluster_weights)
             .write("sampled_irradiance", &self.irradiance)
-            .write("ray_counters", &*set.ray_counters)
+            .write("ray_counters", set.ray_counters.buffer())
             .push(&all);
         let blocks = self.irradiance.extent().map(|side| side.div_ceil(all.spread));
         set.bind(pass).dispatch_over(blocks)

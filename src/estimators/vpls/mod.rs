@@ -41,6 +41,7 @@ pub use method::METHOD;
 pub use path_lines::{path_legend, reason_colour};
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, shows_a_set};
 
+use super::ray_counters::RayCounters;
 use super::{DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, ViewInputs, World};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::clock::FrameClock;
@@ -61,7 +62,7 @@ pub(crate) use set_buffers::set_step;
 use staleness::Staleness;
 use swept_bounds::{MAX_SWEPT_BOXES, SweptBounds, SweptBox};
 use view::{VplViewPass, VplViewSources};
-use vpl_buffer::{UploadedSet, VplUniforms, rays_of};
+use vpl_buffer::{UploadedSet, VplUniforms};
 use vpl_light::VplLightPass;
 
 /// Occlusion rays from pixels to VPLs.
@@ -230,7 +231,7 @@ impl Estimator for Vpls {
         };
         let FrameSet { rendered, flux, .. } = &self.frame_set;
         let passes = &mut self.passes;
-        passes.vpls.begin_counting(frame);
+        passes.vpls.ray_counters().begin(frame);
         let hit_share = self.manager.hit_share();
         let mut last = None;
         for sampled @ SampledSet { set, vpls, .. } in rendered {
@@ -321,11 +322,11 @@ impl Estimator for Vpls {
     }
 
     fn device_counters(&self) -> Option<&Buffer> {
-        Some(self.passes.vpls.ray_counters())
+        Some(self.passes.vpls.ray_counters().buffer())
     }
 
     fn add_device_counters(&self, counters: &mut Counters, read_back: &[u8]) {
-        counters.insert(SHADOW_RAYS, rays_of(read_back));
+        counters.insert(SHADOW_RAYS, RayCounters::sum(read_back));
     }
 
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {

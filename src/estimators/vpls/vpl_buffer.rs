@@ -9,18 +9,10 @@ use bytemuck::{Pod, Zeroable};
 use super::clusters::{CLUSTERS, VplCluster, clusters_of};
 use super::manager::GpuVpl;
 use super::swept_bounds::{MAX_SWEPT_BOXES, SweptBox};
+use crate::estimators::ray_counters::RayCounters;
 use crate::gpu_scene::to_u32;
 use crate::settings::VplSettings;
 use crate::vulkan::{Buffer, Device, Frame, Mirror, Pass, Upload, VulkanError};
-
-/// Counters that workgroups share their rays out to, 64 bits each. Twin: shaders/estimators/vpls/ray_counter.glsl.
-const RAY_COUNTERS: u64 = 32;
-
-/// The rays that the counters have counted.
-pub fn rays_of(counters: &[u8]) -> u64 {
-    let (words, _) = counters.as_chunks();
-    words.iter().take(RAY_COUNTERS as usize).map(|word| u64::from_le_bytes(*word)).sum()
-}
 
 /// The constants that every pass of the method may read; `VplUniforms` in shaders/estimators/vpls/vpls.glsl.
 #[repr(C)]
@@ -66,8 +58,8 @@ pub struct UploadedSet {
     pub count: u32,
     /// [`VplUniforms::representative`].
     pub representative: [u32; 2],
-    /// Rays of the frame: see [`rays_of`].
-    pub ray_counters: Arc<Buffer>,
+    /// Rays of the frame.
+    pub ray_counters: RayCounters,
 }
 
 impl UploadedSet {
@@ -81,7 +73,7 @@ impl UploadedSet {
 pub struct VplBuffer {
     vpls: Mirror,
     clusters: Mirror,
-    ray_counters: Arc<Buffer>,
+    ray_counters: RayCounters,
     /// VPLs of a set, at most.
     vpl_room: usize,
 }
@@ -94,19 +86,14 @@ impl VplBuffer {
         Ok(Self {
             vpls: Mirror::new(device, "vpls", sets * vpl_room * size_of::<GpuVpl>())?,
             clusters: Mirror::new(device, "vpl_clusters", sets * CLUSTERS * size_of::<VplCluster>())?,
-            ray_counters: Arc::new(Buffer::new(device, "ray_counters", RAY_COUNTERS * 8)?),
+            ray_counters: RayCounters::new(device)?,
             vpl_room,
         })
     }
 
-    /// The rays of the last frame: see [`rays_of`].
-    pub fn ray_counters(&self) -> &Buffer {
+    /// The rays of the last frame.
+    pub fn ray_counters(&self) -> &RayCounters {
         &self.ray_counters
-    }
-
-    /// Begins to count the rays of a frame.
-    pub fn begin_counting(&self, frame: &mut Frame<'_>) {
-        frame.clear(&self.ray_counters);
     }
 
     /// Uploads the VPLs of set `index` that have changed. The first VPL and their number are added to `uniforms` here.
@@ -130,7 +117,7 @@ impl VplBuffer {
             clusters: Arc::clone(self.clusters.buffer()),
             count: to_u32(count),
             representative: uniforms.representative,
-            ray_counters: Arc::clone(&self.ray_counters),
+            ray_counters: self.ray_counters.clone(),
         })
     }
 }

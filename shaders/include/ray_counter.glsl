@@ -1,5 +1,5 @@
 // Counts rays into 64-bit sums, low word first: a subgroup adds once, and workgroups take turns at the sums, so that they seldom meet at
-// one. Define RAY_COUNTER_BINDING before including. Twin: RAY_COUNTERS in src/estimators/vpls/vpl_buffer.rs.
+// one. Define RAY_COUNTER_BINDING before including. Twin: RAY_COUNTERS in src/estimators/ray_counters.rs.
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
 const uint RAY_COUNTERS = 32u;

@@ -1,0 +1,200 @@
+// Irradiance by one path: at each vertex one light and one scattered ray estimate the light that arrives, weighted by the power heuristic
+// (Kajiya 1986; Veach 1997, section 9.2). Twin, with the equations: src/reference/path.rs. Needs light_sampling.glsl,
+// environment_sampling.glsl, hit.glsl, noise.glsl and `PathPush push`.
+
+// Surfaces that scatter light before it arrives, at most.
+layout(constant_id = 2) const uint BOUNCES = 2u;
+
+// Of the random numbers of a path: direction; light and lobe; point of the light.
+const uint DIMENSIONS = 3u;
+// What a diffuse bounce widens a ray cone by, radians: little, so that textures keep their detail where surfaces are near.
+const float DIFFUSE_SPREAD = 0.1;
+
+// A light among all; the environment comes last.
+struct PathLight {
+    uint index;
+    float probability; // 0: none sends anything
+    float total;       // luminance of what all send, about
+};
+
+// The first light whose light on the visible surface no other pass knows.
+uint first_indirect_light() { return sampled_lights(); }
+
+uint environment_light() { return frame.light_count + frame.all_area_lights; }
+
+// Luminance of about what a light sends to where a path came from, unoccluded.
+float light_weight(uint index, ShadingPoint at) {
+    if (index != environment_light()) return luminance(unshadowed_radiance(index, at));
+    return push.environment * luminance(at.diffuse + (at.is_glossy ? at.reflection.reflected : vec3(0.0)));
+}
+
+// Weighted reservoir sampling of the lights from `first` on.
+PathLight choose_path_light(ShadingPoint at, uint first, float pick) {
+    PathLight chosen = PathLight(0u, 0.0, 0.0);
+    float chosen_weight = 0.0;
+    uint end = environment_light() + (push.environment > 0.0 ? 1u : 0u);
+    for (uint i = first; i < end; i++) {
+        float weight = light_weight(i, at);
+        if (!(weight > 0.0)) continue;
+        chosen.total += weight;
+        float probability = weight / chosen.total;
+        if (pick < probability) {
+            chosen.index = i;
+            chosen_weight = weight;
+            pick /= probability;
+        } else {
+            pick = (pick - probability) / (1.0 - probability);
+        }
+    }
+    chosen.probability = chosen.total > 0.0 ? chosen_weight / chosen.total : 0.0;
+    return chosen;
+}
+
+// Weight of a sample drawn with density `own` where the other technique has density `other`.
+float power_heuristic(float own, float other) { return 1.0 / (1.0 + (other / own) * (other / own)); }
+
+// The probability of the GGX lobe in `sample_bsdf`.
+float reflected_share(ShadingPoint at) {
+    if (!at.is_glossy) return 0.0;
+    vec3 r = at.reflection.reflected, d = at.diffuse;
+    float reflected = max(r.x, max(r.y, r.z));
+    return reflected > 0.0 ? reflected / (reflected + max(d.x, max(d.y, d.z))) : 0.0;
+}
+
+// Density of `sample_bsdf`, 1/sr, without the directions of perfect mirrors.
+float bsdf_density(ShadingPoint at, vec3 direction, float share) {
+    float diffuse = max(dot(at.surface.shading, direction), 0.0) / PI;
+    return share > 0.0 ? mix(diffuse, reflected_density(at.reflection, direction), share) : diffuse;
+}
+
+// A scattered ray.
+struct Scattered {
+    vec3 direction;
+    vec3 weight;   // BSDF times cosine over density; 0: nothing is reflected
+    float density; // 1/sr; 0: no light sampling finds this direction
+    float spread;  // what it widens a ray cone by
+};
+
+Scattered sample_bsdf(ShadingPoint at, float pick, vec2 u) {
+    float share = reflected_share(at);
+    Scattered result;
+    if (pick < share) {
+        Sampled sampled = sample_reflected(at.reflection, u);
+        result.direction = sampled.direction;
+        result.spread = at.reflection.alpha;
+        if (sampled.density < 0.0) {
+            result.weight = fresnel(at.reflection, dot(at.reflection.normal, sampled.direction)) / share;
+            result.density = 0.0;
+            return result;
+        }
+    } else {
+        vec3 local = cosine_hemisphere(u);
+        result.direction = frame_around(at.surface.shading) * local;
+        result.spread = DIFFUSE_SPREAD;
+    }
+    result.density = bsdf_density(at, result.direction, share);
+    float cosine = dot(at.surface.shading, result.direction);
+    bool is_valid = cosine > 0.0 && result.density > 0.0;
+    result.weight = is_valid ? bsdf_of(at, result.direction, 1.0) * (cosine / result.density) : vec3(0.0);
+    return result;
+}
+
+// What one light sends to where the path came from.
+vec3 light_of_sample(ShadingPoint at, PathLight chosen, vec2 u, inout uint rays) {
+    if (!(chosen.probability > 0.0)) return vec3(0.0);
+    vec3 origin = ray_origin(at.surface);
+    LightSample light;
+    if (chosen.index == environment_light()) {
+        light.to_light = sample_environment(u, light.density);
+        light.irradiance = light.density > 0.0 ? environment_radiance(light.to_light) / light.density : vec3(0.0);
+        light.reach = FAR;
+    } else {
+        light = sample_light(chosen.index, at, origin, u);
+    }
+    float cosine = dot(at.surface.shading, light.to_light);
+    if (cosine <= 0.0 || dot(at.surface.geometric, light.to_light) <= 0.0 || light.irradiance == vec3(0.0)) return vec3(0.0);
+    vec3 radiance = bsdf_of(at, light.to_light, 1.0) * light.irradiance * (cosine / chosen.probability);
+    if (light.density > 0.0) {
+        float other = bsdf_density(at, light.to_light, reflected_share(at));
+        radiance *= power_heuristic(light.density * chosen.probability, other);
+    }
+    if (radiance == vec3(0.0)) return radiance;
+    rays++;
+    return radiance * trace_transmittance(origin, light.to_light, 0.0, light.reach);
+}
+
+// Weight of the light along a scattered ray from `at`, which met light `index` with this density of its own, 1/sr.
+float share_of_scattered(ShadingPoint at, PathLight chosen, uint index, float density, Scattered scattered) {
+    if (scattered.density == 0.0) return 1.0;
+    float probability = chosen.total > 0.0 ? light_weight(index, at) / chosen.total : 0.0;
+    return power_heuristic(scattered.density, probability * density);
+}
+
+// Weight of emission that a scattered ray has met; 0 where it is direct light, which other passes know.
+float share_of_emission(ShadingPoint at, PathLight chosen, uint first, TracerHit hit, HitSurface surface, Scattered scattered) {
+    uint light = instances.data[hit.instance].area_light;
+    if (light == 0u) return 1.0;
+    light += frame.light_count - 1u;
+    if (light < first) return 0.0;
+    AreaLightData data = area_lights.data[light - frame.light_count];
+    float cosine = abs(dot(surface.geometric, scattered.direction));
+    float density = hit.t * hit.t / (max(cosine, 1e-6) * data.area);
+    return share_of_scattered(at, chosen, light, density, scattered);
+}
+
+// Irradiance of a surface, W/m^2, by the lights from `first` on, and by all that other surfaces scatter. `place`: of the path's random
+// numbers, those of `pixel` in the frame `sequence`, from the dimension `dimension` on.
+vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uint sequence, uint dimension, inout uint rays) {
+    vec3 radiance = vec3(0.0);
+    vec3 throughput = vec3(PI);
+    // The radiance of a white diffuse surface is the irradiance over pi.
+    ShadingPoint at;
+    at.surface = surface;
+    at.diffuse = vec3(1.0);
+    at.is_glossy = false;
+    at.gloss_of_areas = 1.0;
+    for (uint bounce = 0u; bounce <= BOUNCES; bounce++) {
+        vec2 picks = noise_of(pixel, sequence, dimension + bounce * DIMENSIONS + 1u);
+        PathLight chosen = choose_path_light(at, first, picks.x);
+        radiance += throughput * light_of_sample(at, chosen, noise_of(pixel, sequence, dimension + bounce * DIMENSIONS + 2u), rays);
+
+        // The last ray finds emission alone.
+        if (bounce == BOUNCES && frame.all_area_lights == 0u && push.has_environment == 0u) break;
+        Scattered scattered = sample_bsdf(at, picks.y, noise_of(pixel, sequence, dimension + bounce * DIMENSIONS));
+        throughput *= scattered.weight;
+        if (throughput == vec3(0.0)) break;
+        // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling knows none.
+        float below = dot(at.surface.geometric, scattered.direction);
+        if (below <= 0.0) {
+            scattered.direction -= 2.0 * below * at.surface.geometric;
+            scattered.density = 0.0;
+        }
+        cone.spread += scattered.spread;
+        vec3 origin = ray_origin(at.surface);
+        TracerHit hit;
+        rays++;
+        bool met = trace_closest(origin, scattered.direction, 0.0, FAR, hit);
+        if (HAS_THIN_SURFACES) throughput *= trace_transmittance(origin, scattered.direction, 0.0, met ? just_before(hit.t) : FAR);
+        if (!met) {
+            if (push.has_environment == 0u) break;
+            float share = 1.0;
+            if (push.environment > 0.0) {
+                float density = environment_density(scattered.direction);
+                share = share_of_scattered(at, chosen, environment_light(), density, scattered);
+            }
+            radiance += throughput * share * environment_radiance(scattered.direction);
+            break;
+        }
+        HitSurface found = surface_of(hit, scattered.direction, cone);
+        if (found.emission != vec3(0.0)) {
+            radiance += throughput * found.emission * share_of_emission(at, chosen, first, hit, found, scattered);
+        }
+        cone.width += cone.spread * hit.t;
+        at.surface = Surface(found.position, found.shading, found.geometric, hit.t);
+        at.is_glossy = reflects(found.bsdf);
+        at.reflection = prepare_bsdf(found.bsdf, found.shading, -scattered.direction);
+        at.diffuse = at.reflection.diffuse;
+        first = 0u;
+    }
+    return radiance;
+}

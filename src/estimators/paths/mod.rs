@@ -1,0 +1,165 @@
+//! Path tracing in real time: a few paths a pixel and frame, from the visible surfaces.
+//!
+//! In: the visible surfaces and the scene. Out: irradiance, an independent estimate each frame, which a denoiser accumulates. A path
+//! ends after `--bounces` surfaces. Divergence: paths are short and most reach the limit, so they are not compacted between bounces;
+//! writing and reading a path's 80 bytes twice a bounce would cost more than lanes that wait.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+
+use super::ray_counters::RayCounters;
+use super::{Axis, CounterInfo, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses};
+use crate::denoise::SignalNoise;
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::frame_inputs::FrameInputs;
+use crate::passes::storage_image;
+use crate::report::{Counters, PassInfo};
+use crate::scene::luminance;
+use crate::settings::{Indirect, Noise, Settings};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
+
+/// The description of the method.
+pub const METHOD: Method = Method {
+    passes: MethodPasses {
+        cpu: &[],
+        device: &[
+            PassInfo::new("paths_trace", [31, 119, 180]),
+            PassInfo::new("paths_light_hits", [70, 130, 160]),
+        ],
+    },
+    counters: &[CounterInfo::listed(RAYS, "rays")],
+    warm_up: |settings| settings.svgf.longest_history,
+    axes: AXES,
+    cost: Some(&AXES[0]),
+    rays: |settings| 2 * (settings.bounces + 1) * settings.paths.samples,
+    lights_hits: true,
+    noise: SignalNoise::Unknown,
+    ..Method::new(Indirect::PATHS, "paths", |context| Ok(Box::new(Paths::new(context)?)))
+};
+
+const AXES: &[Axis] = &[Axis {
+    setting: "samples",
+    short: Some("spp"),
+    label: "paths a pixel",
+    phrase: "{} paths a pixel",
+    default_sweep: Some("1,2,4,8,16"),
+    divides_work: false,
+    get: |settings| settings.paths.samples,
+    set: |settings, samples| settings.paths.samples = samples.clamp(1, 16),
+}];
+
+/// The counter of all rays of the passes here.
+const RAYS: &str = "rays";
+
+/// `PathPush` in shaders/estimators/paths/path_push.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct PathPush {
+    spread: f32,
+    environment: f32,
+    has_environment: u32,
+}
+
+/// The estimator: 8 bytes a pixel.
+pub struct Paths {
+    device: Arc<Device>,
+    trace: ComputePipeline,
+    /// Made where reflection rays are traced.
+    light_hits: Option<ComputePipeline>,
+    irradiance: Image,
+    rays: RayCounters,
+    tracer: TracerVariant,
+    settings: Settings,
+}
+
+impl Paths {
+    /// Makes the pipelines and the image.
+    ///
+    /// # Errors
+    /// Where the device lacks memory.
+    pub fn new(context: &EstimatorContext<'_>) -> Result<Self, VulkanError> {
+        let EstimatorContext { device, tracer, settings, .. } = *context;
+        let constants = [&shared_constants(settings)[..], &[settings.paths.samples]].concat();
+        Ok(Self {
+            device: Arc::clone(device),
+            trace: tracer.pipeline(device, "paths_trace", shaders::PATHS_TRACE_COMP, &constants)?,
+            light_hits: None,
+            irradiance: storage_image(device, "irradiance", vk::Format::R16G16B16A16_SFLOAT, settings.size)?,
+            rays: RayCounters::new(device)?,
+            tracer,
+            settings: settings.clone(),
+        })
+    }
+
+    fn push(&self, inputs: &FrameInputs<'_>) -> PathPush {
+        let pose = inputs.pose;
+        let environment = pose.environment.as_ref();
+        let sampled = environment.filter(|environment| environment.map.is_some());
+        PathPush {
+            spread: 2.0 * (pose.camera.vertical_fov * 0.5).tan() / self.irradiance.extent()[1] as f32,
+            environment: sampled.map_or(0.0, |environment| luminance(environment.mean())),
+            has_environment: u32::from(environment.is_some()),
+        }
+    }
+}
+
+/// Of `WHITE_NOISE` and `BOUNCES` in shaders.
+fn shared_constants(settings: &Settings) -> [u32; 2] {
+    [u32::from(settings.effects.noise == Noise::White), settings.bounces]
+}
+
+impl Estimator for Paths {
+    fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
+        self.rays.begin(frame);
+        inputs
+            .bind(frame.pass("paths_trace", &self.trace))
+            .write("irradiance", &self.irradiance)
+            .write("ray_counters", self.rays.buffer())
+            .push(&self.push(inputs))
+            .dispatch_over(self.irradiance.extent())
+    }
+
+    fn signal(&self) -> IrradianceSignal<'_> {
+        IrradianceSignal { noisy: &self.irradiance, variance: None }
+    }
+
+    fn light_hits(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        hits: &Hits<'_>,
+    ) -> Result<(), VulkanError> {
+        let push = self.push(inputs);
+        let pipeline = match &mut self.light_hits {
+            Some(pipeline) => pipeline,
+            none => none.insert(self.tracer.pipeline(
+                &self.device,
+                "paths_light_hits",
+                shaders::PATHS_LIGHT_HITS_COMP,
+                &shared_constants(&self.settings),
+            )?),
+        };
+        inputs
+            .bind(frame.pass("paths_light_hits", pipeline))
+            .read("hit_place", hits.place)
+            .read("hit_weight", hits.weight)
+            .write("reflection", hits.reflection)
+            .write("ray_counters", self.rays.buffer())
+            .push(&push)
+            .dispatch_over(hits.reflection.extent())
+    }
+
+    fn device_counters(&self) -> Option<&Buffer> {
+        Some(self.rays.buffer())
+    }
+
+    fn add_device_counters(&self, counters: &mut Counters, read_back: &[u8]) {
+        counters.insert(RAYS, RayCounters::sum(read_back));
+    }
+
+    fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {
+        *self = Self::new(context)?;
+        Ok(())
+    }
+}
