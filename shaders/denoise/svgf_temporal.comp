@@ -17,6 +17,7 @@ layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D light;
 layout(set = 0, binding = 7, rgba16f) uniform writeonly image2D moments;
 
 #include "history_rejection.glsl"
+#include "history_taps.glsl"
 
 layout(push_constant) uniform Push {
     float least_alpha;         // of the signal
@@ -43,23 +44,15 @@ vec3 noisy_at(ivec2 pixel) {
 
 // The mean of what the texels show that saw this surface. Standard deviations are averaged as variances.
 History history_at(ivec2 pixel) {
-    vec4 found = imageLoad(reprojected, pixel);
-    vec2 place = vec2(pixel) - found.xy;
-    bool bilinear = found.z > 0.0;
-    ivec2 first = bilinear ? ivec2(floor(place)) : ivec2(floor(place + 0.5)) - 1;
-    uint mask = uint(bilinear ? found.z : found.w);
-    int side = bilinear ? 2 : 3;
-    vec2 part = place - floor(place);
+    HistoryTaps taps = history_taps(pixel, 1);
     History sum = History(vec3(0.0), vec4(0.0));
     float weights = 0.0;
-    for (int tap = 0; tap < side * side; tap++) {
-        if ((mask >> tap & 1u) == 0u) continue;
-        ivec2 offset = ivec2(tap % side, tap / side);
-        // No tap weighs nothing: it may be the only one.
-        vec2 along = max(mix(1.0 - part, part, vec2(offset)), 1e-5);
-        float weight = bilinear ? along.x * along.y : 1.0;
-        vec4 then = imageLoad(last_moments, first + offset);
-        sum.light += weight * imageLoad(history, first + offset).rgb;
+    for (int tap = 0; tap < taps.side * taps.side; tap++) {
+        float weight = tap_weight(taps, tap);
+        if (weight == 0.0) continue;
+        ivec2 place = tap_place(taps, tap);
+        vec4 then = imageLoad(last_moments, place);
+        sum.light += weight * imageLoad(history, place).rgb;
         sum.moments += weight * vec4(then.x, then.y * then.y, then.zw);
         weights += weight;
     }

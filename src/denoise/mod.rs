@@ -2,6 +2,7 @@
 //!
 //! None knows where its signal comes from. Each use has a denoiser of its own, which owns its history.
 
+pub mod bmfr;
 mod method;
 mod none;
 mod spatial;
@@ -41,6 +42,8 @@ pub struct DenoiserInputs<'a> {
     pub normal: &'a Image,
     /// Packed surfaces: shaders/include/visible_surface.glsl.
     pub surface: &'a Image,
+    /// rgb: diffuse albedo; a: roughness, as in the G-buffer.
+    pub albedo: &'a Image,
     /// Where the signal was in the last frame: `Reprojection::reprojected`.
     pub reprojected: &'a Image,
 }
@@ -54,6 +57,7 @@ impl<'a> DenoiserInputs<'a> {
             variance,
             depth: &inputs.gbuffer.depth,
             normal: &inputs.gbuffer.normal,
+            albedo: &inputs.gbuffer.albedo,
             surface: inputs.reprojection.surface(),
             reprojected: &inputs.reprojection.reprojected,
         }
@@ -87,7 +91,7 @@ pub trait Denoiser: Send {
 }
 
 /// One line a denoiser. [`register`] adds those of other crates.
-static METHODS: Registry<Method> = Registry::new(&[svgf::METHOD, none::METHOD]);
+static METHODS: Registry<Method> = Registry::new(&[svgf::METHOD, bmfr::METHOD, none::METHOD]);
 
 /// Adds a denoiser of another crate, such as a test's, before anything else uses the library.
 pub fn register(method: Method) {

@@ -15,7 +15,7 @@ use crate::passes::reprojection::ReprojectionPass;
 use crate::passes::still::StillPass;
 use crate::passes::taa::TaaPass;
 use crate::scene::Scene;
-use crate::settings::{Antialiasing, Direct, Settings};
+use crate::settings::{Antialiasing, Denoise, Direct, Settings};
 use crate::vulkan::{Device, Image, VulkanError};
 
 /// The passes.
@@ -68,7 +68,9 @@ impl SharedPasses {
         let taa = settings.antialiasing == Antialiasing::Taa;
         let averages = settings.still_frames > 0;
         let is_noisy = estimators::method(settings).noise == SignalNoise::Unknown;
-        let follows_surfaces = reflections || is_noisy || settings.direct != Direct::Hard;
+        // A spatial filter alone follows nothing.
+        let has_history = is_noisy || settings.effects.denoise == Denoise::BMFR;
+        let follows_surfaces = reflections || has_history || settings.direct != Direct::Hard;
         Ok(Self {
             gbuffer,
             reprojection: ReprojectionPass::new(device, if follows_surfaces { size } else { [1, 1] })?,

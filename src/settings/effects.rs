@@ -11,6 +11,8 @@ registered! {
 
     /// The default.
     SVGF = "svgf", "Spatiotemporal variance-guided filtering: about six passes each";
+    /// Of indirect light; other signals get SVGF.
+    BMFR = "bmfr", "Blockwise multi-order feature regression of indirect light: three passes; other signals get SVGF";
     /// No denoiser.
     NONE = "none", "The noisy rays of each frame as they are, at no cost";
 }

@@ -5,6 +5,8 @@
 //! setting, add its lines to its group; to add a group, add a file and its field of [`Settings`] and entry of `GROUPS` below.
 //! [`Settings::resolve`] merges in this order: defaults, the scene file's `[settings]`, the options given on the command line.
 
+mod bmfr;
+mod bmfr_features;
 mod effects;
 mod error;
 mod indirect;
@@ -17,6 +19,8 @@ mod table;
 mod value;
 mod vpls;
 
+pub use bmfr::BmfrSettings;
+pub use bmfr_features::BmfrFeatures;
 pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
 pub use indirect::Indirect;
@@ -29,7 +33,7 @@ pub(crate) use options::parser_of;
 pub(crate) use registered::Registry;
 pub(crate) use setting::{Group, Setting};
 pub(crate) use table::flat;
-pub(crate) use value::{Kind, read_seconds};
+pub(crate) use value::{Kind, read_seconds, text_of};
 
 use setting::settings;
 use value::{choice, choices, number, whole};
@@ -137,6 +141,8 @@ settings! {
         effects: EffectSettings,
         /// Settings of SVGF.
         svgf: SvgfSettings,
+        /// Settings of BMFR.
+        bmfr: BmfrSettings,
         /// Settings of virtual point lights.
         vpl: VplSettings,
         /// Settings of path tracing.
@@ -145,8 +151,14 @@ settings! {
 }
 
 /// All groups, the shared one first.
-pub(crate) const GROUPS: [Group; 5] =
-    [Settings::GROUP, EffectSettings::GROUP, SvgfSettings::GROUP, VplSettings::GROUP, PathSettings::GROUP];
+pub(crate) const GROUPS: [Group; 6] = [
+    Settings::GROUP,
+    EffectSettings::GROUP,
+    SvgfSettings::GROUP,
+    BmfrSettings::GROUP,
+    VplSettings::GROUP,
+    PathSettings::GROUP,
+];
 
 /// Every setting, in the order of the groups.
 pub(crate) fn all() -> impl Iterator<Item = &'static Setting> {

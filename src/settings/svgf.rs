@@ -17,7 +17,7 @@ settings! {
     /// Settings of `--denoise svgf`.
     struct SvgfSettings: Copy, table "settings.svgf", "SVGF (--denoise svgf)";
     at settings => settings.svgf;
-    used if |settings| effects_are_rendered(settings) && settings.effects.denoise == Denoise::SVGF;
+    used if |settings| effects_are_rendered(settings) && settings.effects.denoise != Denoise::NONE;
 
     /// Least share of the newest frame in the denoised signal. More: more noise, and changes show sooner. Any costs the same.
     "svgf_alpha" alpha: f32 = 0.05, ALPHA;

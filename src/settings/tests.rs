@@ -54,6 +54,10 @@ fn samples(kind: Kind) -> (Vec<String>, Vec<String>) {
             [texts(&["1x1", "256X144"]), vec![format!("{most}x{most}")]].concat(),
             [texts(&["640", "1x2x3", "big", "0x9", "9x0"]), vec![format!("{}x9", most + 1)]].concat(),
         ),
+        Kind::Features => (
+            texts(&["1", "nx,wx*wx,sqrt(wy)*d"]),
+            texts(&["", "1,", "q", "nx*ny*nz*wx", &["1"; 65].join(",")]),
+        ),
         Kind::Flag | Kind::Choice(_) => {
             let names = kind.choices().iter().map(|choice| choice.get_name().to_owned()).collect();
             (names, texts(&["magic", "", "1"]))
@@ -135,7 +139,7 @@ fn options_set_their_fields() {
     assert_eq!((settings.vpl.clamp, settings.exposure, settings.seed), (0.0, Some(-1.5), 7));
     assert_eq!(settings.vpl.sequence, Sequence::Random);
     let names = |kind: Kind| kind.choices().iter().map(|of| of.get_name().to_owned()).collect::<Vec<_>>();
-    assert_eq!(names(find("denoise").unwrap().kind), ["svgf", "none"]);
+    assert_eq!(names(find("denoise").unwrap().kind), ["svgf", "bmfr", "none"]);
     assert_eq!(names(find("direct").unwrap().kind), ["auto", "hard", "soft"]);
     assert_eq!(names(find("tracer").unwrap().kind), ["auto", "software", "hardware"]);
 }

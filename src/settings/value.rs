@@ -7,6 +7,8 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use toml::Value;
 
+use super::bmfr_features::{FEATURES_HELP, MOST_FEATURES};
+
 /// What a setting accepts. `Display` completes the sentence "must be ...".
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind {
@@ -22,6 +24,8 @@ pub(crate) enum Kind {
     Size { most: u32 },
     /// Yes or no.
     Flag,
+    /// Features of [`BmfrFeatures`](super::BmfrFeatures).
+    Features,
     /// One of these.
     Choice(fn() -> Vec<PossibleValue>),
 }
@@ -67,7 +71,7 @@ impl Kind {
                 let side = 1..=i64::from(most);
                 value.as_array().is_some_and(|sides| sides.iter().map(whole).all(|at| side.contains(&at)))
             }
-            Self::Flag | Self::Choice(_) => true,
+            Self::Flag | Self::Features | Self::Choice(_) => true,
         }
     }
 
@@ -79,6 +83,7 @@ impl Kind {
             Self::Auto(kind) => format!("{}|auto", kind.unit()?).into(),
             Self::Size { .. } => "WxH".into(),
             Self::Flag => "true|false".into(),
+            Self::Features => "LIST".into(),
             Self::Choice(_) => return None,
         })
     }
@@ -98,6 +103,7 @@ impl Kind {
     pub fn range(&self) -> Option<String> {
         match *self {
             Self::Whole { least: 0, most: u32::MAX, .. } | Self::Flag | Self::Choice(_) => None,
+            Self::Features => Some(format!("1 to {MOST_FEATURES} of them")),
             Self::Whole { least, most: u32::MAX, .. } => Some(format!("at least {least}")),
             Self::Whole { least, most, .. } => Some(format!("{least} to {most}")),
             Self::Number { least, above: true, .. } => Some(format!("above {least}")),
@@ -118,6 +124,7 @@ impl Display for Kind {
             Self::Seconds { .. } => ("seconds", ", such as 1/60 or 0.02"),
             Self::Auto(kind) => return write!(text, "auto or {kind}"),
             Self::Size { .. } => ("a width and a height", ", such as 1280x720"),
+            Self::Features => return write!(text, "{FEATURES_HELP}"),
             Self::Flag | Self::Choice(_) => {
                 let choices = self.choices();
                 let names: Vec<_> = choices.iter().map(PossibleValue::get_name).collect();
@@ -236,10 +243,14 @@ pub(super) fn text_of_seconds(seconds: f64) -> String {
 }
 
 /// A value in the syntax of the command line.
-pub(super) fn text_of(value: &Value) -> String {
+pub(crate) fn text_of(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         Value::Float(number) => number.to_string(),
+        // Names of features.
+        Value::Array(names) if names.iter().all(Value::is_str) => {
+            names.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(",")
+        }
         Value::Array(sides) if sides.len() == 2 => {
             sides.iter().map(ToString::to_string).collect::<Vec<_>>().join("x")
         }

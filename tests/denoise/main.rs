@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+mod bmfr;
 #[path = "../bvh_support/mod.rs"]
 mod bvh_support;
 mod change;

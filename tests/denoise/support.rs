@@ -119,7 +119,7 @@ pub fn uniforms() -> FrameUniforms {
 }
 
 /// The denoiser with its inputs.
-pub struct Bench {
+pub struct Bench<Kind = Svgf> {
     device: Arc<Device>,
     pub frames: Frames,
     fill: ComputePipeline,
@@ -128,7 +128,7 @@ pub struct Bench {
     reprojected: Image,
     pub depth: Image,
     surface: Image,
-    pub svgf: Svgf,
+    pub denoiser: Kind,
     extent: [u32; 2],
 }
 
@@ -140,12 +140,22 @@ pub fn texels(device: &Arc<Device>, image: &Image) -> Vec<Vec4> {
     halves.chunks_exact(4).map(texel).collect()
 }
 
-impl Bench {
+impl Bench<Svgf> {
     pub fn new(device: &Arc<Device>, settings: &SvgfSettings) -> Self {
         Self::of_size(device, [WIDTH as u32, HEIGHT as u32], settings)
     }
 
     pub fn of_size(device: &Arc<Device>, extent: [u32; 2], settings: &SvgfSettings) -> Self {
+        Self::of(device, extent, Svgf::new(device, Use::Reflections, extent, settings).unwrap())
+    }
+
+    pub fn output(&self) -> Vec<Vec4> {
+        self.read(Svgf::output)
+    }
+}
+
+impl<Kind: Denoiser> Bench<Kind> {
+    pub fn of(device: &Arc<Device>, extent: [u32; 2], denoiser: Kind) -> Self {
         let image = |name, format| {
             let usage = vk::ImageUsageFlags::STORAGE;
             let description = ImageDescription { name, format, extent, layers: None, levels: 1, usage };
@@ -160,7 +170,7 @@ impl Bench {
             reprojected: image("reprojected", halves),
             depth: image("depth", vk::Format::R32_SFLOAT),
             surface: image("surface", vk::Format::R16G16B16A16_UINT),
-            svgf: Svgf::new(device, Use::Reflections, extent, settings).unwrap(),
+            denoiser,
             extent,
             device: Arc::clone(device),
         }
@@ -189,17 +199,14 @@ impl Bench {
             depth: &self.depth,
             normal: &self.normal,
             surface: &self.surface,
+            albedo: &self.normal,
             reprojected: &self.reprojected,
         };
-        self.svgf.record(&mut frame, &inputs).unwrap();
+        self.denoiser.record(&mut frame, &inputs).unwrap();
         frame.submit().unwrap();
     }
 
-    pub fn read(&self, image: impl Fn(&Svgf) -> &Image) -> Vec<Vec4> {
-        texels(&self.device, image(&self.svgf))
-    }
-
-    pub fn output(&self) -> Vec<Vec4> {
-        self.read(Svgf::output)
+    pub fn read(&self, image: impl Fn(&Kind) -> &Image) -> Vec<Vec4> {
+        texels(&self.device, image(&self.denoiser))
     }
 }

@@ -11,7 +11,7 @@ use super::support::{GpuFixture, exact, indirect, layer, luminance, mean, plain,
 use super::{forgetting, support};
 
 /// A blue sky over a brown ground, with a sun of four texels that gives about half of the light.
-fn sky(rotation: f32) -> Environment {
+pub(super) fn sky(rotation: f32) -> Environment {
     let texel = |i: usize| match (i % 64, i / 64) {
         (40..42, 8..10) => Vec3::new(900.0, 800.0, 600.0),
         (_, y) if y < 16 => Vec3::new(0.5, 0.8, 1.2) * (0.5 + y as f32 / 16.0),

@@ -22,6 +22,7 @@ mod mirrors;
 mod motion;
 mod normal_maps;
 mod overlay;
+mod paths;
 mod pictures;
 mod reference;
 mod reflections;

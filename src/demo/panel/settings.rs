@@ -7,7 +7,7 @@ use toml::Value;
 use super::Shown;
 use crate::demo::action::Action;
 use crate::demo::resolution::{COARSEST, Resolution};
-use crate::settings::{GROUPS, Kind, MissingSets, Setting, Settings, VplSettings};
+use crate::settings::{GROUPS, Kind, MissingSets, Setting, Settings, VplSettings, text_of};
 
 /// Presets: name, tooltip, settings.
 pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
@@ -131,6 +131,20 @@ fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut Str
                 *wanted = if automatic { "auto" } else { "0" }.to_owned();
             } else if !automatic {
                 response |= field(ui, (key, *kind), value, wanted);
+            }
+            response
+        }
+        Kind::Features => {
+            // What is being typed is no list yet.
+            let typed = ui.id().with(key);
+            let kept = ui.data(|data| data.get_temp(typed));
+            let mut names = kept.unwrap_or_else(|| text_of(value));
+            let response = ui.text_edit_singleline(&mut names);
+            if response.lost_focus() {
+                *wanted = names;
+                ui.data_mut(|data| data.remove::<String>(typed));
+            } else if response.changed() {
+                ui.data_mut(|data| data.insert_temp(typed, names));
             }
             response
         }

@@ -1,0 +1,144 @@
+//! Path tracing in real time against the path tracer on the CPU: the mean of its frames, light by light.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use glowworm::gpu_scene::tracer::RayTracer;
+use glowworm::scene::{Environment, Scene};
+use glowworm::settings::{Denoise, EffectSettings, Indirect, PathSettings, Settings, TracerKind};
+
+use super::environment::sky;
+use super::reference::reference;
+use super::support::{GpuFixture, layer, luminance, mean, named_scene, plain, quantile, scene};
+
+const SIDE: u32 = 32;
+const BLOCK: usize = 8;
+const FRAMES: u32 = 48;
+
+/// Noisy frames as they are.
+fn noisy() -> Settings {
+    let effects = EffectSettings { denoise: Denoise::NONE, ..EffectSettings::default() };
+    let paths = PathSettings { samples: 16 };
+    Settings { size: [SIDE; 2], indirect: Indirect::PATHS, effects, paths, ..plain() }
+}
+
+/// A corner with a box in it, glossy and matt, under the lights.
+fn corner(lights: &str) -> Arc<Scene> {
+    scene(&format!(
+        r#"
+        [[models]]
+        name = "matt"
+        primitive = "box"
+        size = [1, 1, 1]
+        material = {{ albedo = [0.8, 0.5, 0.3] }}
+        [[models]]
+        name = "glossy"
+        primitive = "box"
+        size = [1, 1, 1]
+        material = {{ albedo = [0.7, 0.8, 0.6], metallic = 0.6, roughness = 0.4 }}
+        [[instances]]
+        model = "matt"
+        translation = [0, -0.1, 0]
+        scale = [4, 0.2, 4]
+        [[instances]]
+        model = "glossy"
+        translation = [-1.6, 1, 0]
+        scale = [0.2, 2, 4]
+        [[instances]]
+        model = "matt"
+        translation = [0, 1, -1.6]
+        scale = [4, 2, 0.2]
+        [[instances]]
+        model = "matt"
+        translation = [0.2, 0.4, -0.2]
+        scale = [0.6, 0.8, 0.6]
+        {lights}
+        [camera]
+        eye = [1.6, 1.8, 3.0]
+        target = [-0.2, 0.4, 0]
+        vfov_deg = 50
+        "#
+    ))
+}
+
+/// Mean luminance of each block of pixels.
+fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
+    let side = SIDE as usize;
+    let of = |block: usize| {
+        let (x, y) = (block % (side / BLOCK) * BLOCK, block / (side / BLOCK) * BLOCK);
+        mean((y..y + BLOCK).flat_map(|row| &pixels[row * side + x..row * side + x + BLOCK]).map(luminance))
+    };
+    (0..(side / BLOCK).pow(2)).map(of).collect()
+}
+
+fn check(gpu: &GpuFixture, tracer: TracerKind, name: &str, scene: &Arc<Scene>) {
+    let settings = Settings { tracer, ..noisy() };
+    let drawn = gpu.mean_of_frames(scene, &settings, FRAMES, |picture| layer(picture, "indirect"));
+    let expected = layer(&reference(scene, settings.size, settings.bounces, 1024), "indirect");
+    let ratio = mean(drawn.iter().map(luminance)) / mean(expected.iter().map(luminance));
+    let errors: Vec<f32> =
+        blocks(&drawn).iter().zip(blocks(&expected)).map(|(now, then)| (now / then - 1.0).abs()).collect();
+    let most = quantile(errors, 0.9);
+    println!("{name}: mean {ratio}, blocks within {most}");
+    assert!((ratio - 1.0).abs() < 0.01, "{name}: the mean is {ratio} of the reference's");
+    assert!(most < 0.03, "{name}: one block in ten is off by more than {most}");
+}
+
+fn check_every_light((tracer, kind): (RayTracer, TracerKind)) {
+    let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
+    let check = |name: &str, scene: &Arc<Scene>| check(&gpu, kind, name, scene);
+    let light = |text: &str| corner(&format!("[[lights]]\n{text}"));
+    check("point", &light("type = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]"));
+    check(
+        "spot",
+        &light(
+            "type = \"spot\"\nposition = [0.8, 1.6, 1]\ndirection = [-0.6, -0.4, -1]\nintensity = [20, 20, 20]\ninner_deg = 20\nouter_deg = 40",
+        ),
+    );
+    check(
+        "directional",
+        &light("type = \"directional\"\ndirection = [-0.5, -1, -0.6]\nirradiance = [2, 2, 2]"),
+    );
+    let lamp = r#"
+        [[models]]
+        name = "lamp"
+        primitive = "box"
+        size = [0.4, 0.1, 0.4]
+        material = { albedo = [0.2, 0.2, 0.2], emission = [6, 5, 4] }
+        [[instances]]
+        model = "lamp"
+        translation = [0.6, 1.5, 0.6]
+    "#;
+    check("area", &corner(lamp));
+    let under = |environment| Arc::new(Scene { environment: Some(environment), ..(*corner("")).clone() });
+    check("constant environment", &under(Environment::constant(Vec3::new(0.5, 0.7, 1.0))));
+    check("environment map", &under(sky(0.9)));
+}
+
+#[test]
+fn every_light_is_that_of_the_reference() {
+    check_every_light((RayTracer::Software, TracerKind::Software));
+}
+
+#[test]
+fn every_light_is_that_of_the_reference_with_ray_queries() {
+    check_every_light((RayTracer::Hardware, TracerKind::Hardware));
+}
+
+#[test]
+fn the_cornell_box_is_that_of_the_reference() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    check(&gpu, TracerKind::Auto, "cornell-box", &named_scene("cornell-box", None));
+}
+
+#[test]
+fn rays_are_counted() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let settings = Settings { paths: PathSettings { samples: 1 }, ..noisy() };
+    let light = "[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]";
+    let mut renderer = gpu.rendered(&corner(light), &settings, 2);
+    let reports = renderer.finish().unwrap();
+    let rays = reports[0].figures.counters.get("rays") as f32 / (SIDE * SIDE) as f32;
+    // The last ray would find nothing; many leave the corner.
+    assert!(rays > 1.0 && rays < 4.0, "{rays} rays a pixel");
+}
