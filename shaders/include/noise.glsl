@@ -10,10 +10,15 @@ const uint NOISE_FRAMES = 32u;
 
 vec2 unit_of(uvec2 bits) { return vec2(bits >> 8u) * exp2(-24.0); }
 
-// Two numbers from 0 to 1 for a pixel: others for each dimension and each frame of the sequence.
-vec2 noise_of(ivec2 pixel, uint frame_index, uint dimension) {
+// Two independent numbers from 0 to 1 for a pixel: others for each dimension and each frame of the sequence.
+vec2 white_noise_of(ivec2 pixel, uint frame_index, uint dimension) {
     uvec3 bits = pcg3d(uvec3(uvec2(pixel) + (dimension / 64u << 16u), frame_index * 64u + dimension % 64u));
-    vec2 white = unit_of(pcg3d(bits ^ uvec3(frame.seed)).xy);
+    return unit_of(pcg3d(bits ^ uvec3(frame.seed)).xy);
+}
+
+// Two such numbers that are blue noise over pixels and frames.
+vec2 noise_of(ivec2 pixel, uint frame_index, uint dimension) {
+    vec2 white = white_noise_of(pixel, frame_index, dimension);
     if (WHITE_NOISE == 1u) return white;
     // Each dimension and each cycle of the table looks elsewhere in it.
     uvec2 place = pcg3d(uvec3(dimension, frame_index / NOISE_FRAMES, frame.seed)).xy >> 8u;

@@ -44,9 +44,14 @@ vec4 added(vec4 before, vec3 raw, float count) {
     return vec4(now, squares);
 }
 
-float weight_of(vec4 mean, float count) {
+// Weight in the variance of what the denoised picture knows better: few samples that are all dark seem to have no variance.
+const float DISAGREEMENT = 4.0;
+
+float weight_of(vec4 mean, float denoised, float count) {
     if (count < 2.0) return push.least_weight;
-    float deviation = sqrt(max(mean.a, 0.0) / (count * (count - 1.0)));
+    float difference = denoised - luminance(mean.rgb);
+    float squares = max(mean.a, 0.0) + DISAGREEMENT * difference * difference;
+    float deviation = sqrt(squares / (count * (count - 1.0)));
     float relative = deviation / (luminance(mean.rgb) + DARK / max(exposure.factor, 1e-20));
     return max(1.0 - smoothstep(UNSEEN, NOISY, relative), push.least_weight);
 }
@@ -63,7 +68,7 @@ void main() {
         imageStore(mean, pixel, average);
     }
     vec4 denoised = push.is_antialiased == 1u ? imageLoad(antialiased, pixel) : imageLoad(picture, pixel);
-    float weight = count > 0.0 ? weight_of(average, count) : 0.0;
+    float weight = count > 0.0 ? weight_of(average, luminance(denoised.rgb), count) : 0.0;
     float counts = imageLoad(direct, pixel).a;
     imageStore(picture, pixel, storable(vec4(mix(denoised.rgb, average.rgb, weight), counts)));
 }

@@ -74,7 +74,7 @@ fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
 fn check(gpu: &GpuFixture, tracer: TracerKind, name: &str, scene: &Arc<Scene>) {
     let settings = Settings { tracer, ..noisy() };
     let drawn = gpu.mean_of_frames(scene, &settings, FRAMES, |picture| layer(picture, "indirect"));
-    let expected = layer(&reference(scene, settings.size, settings.bounces, 1024), "indirect");
+    let expected = layer(&reference(scene, settings.size, settings.bounces, 4096), "indirect");
     let ratio = mean(drawn.iter().map(luminance)) / mean(expected.iter().map(luminance));
     let errors: Vec<f32> =
         blocks(&drawn).iter().zip(blocks(&expected)).map(|(now, then)| (now / then - 1.0).abs()).collect();

@@ -7,6 +7,11 @@ layout(constant_id = 2) const uint BOUNCES = 2u;
 
 // Of the random numbers of a path: direction; light and lobe; point of the light.
 const uint DIMENSIONS = 3u;
+// Blue noise for the first surface alone: further bounces scramble what it would bring.
+vec2 path_noise(ivec2 pixel, uint sequence, uint dimension, uint bounce) {
+    return bounce == 0u ? noise_of(pixel, sequence, dimension) : white_noise_of(pixel, sequence, dimension + bounce * DIMENSIONS);
+}
+
 // What a diffuse bounce widens a ray cone by, radians: little, so that textures keep their detail where surfaces are near.
 const float DIFFUSE_SPREAD = 0.1;
 
@@ -154,13 +159,13 @@ vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uin
     at.is_glossy = false;
     at.gloss_of_areas = 1.0;
     for (uint bounce = 0u; bounce <= BOUNCES; bounce++) {
-        vec2 picks = noise_of(pixel, sequence, dimension + bounce * DIMENSIONS + 1u);
+        vec2 picks = path_noise(pixel, sequence, dimension + 1u, bounce);
         PathLight chosen = choose_path_light(at, first, picks.x);
-        radiance += throughput * light_of_sample(at, chosen, noise_of(pixel, sequence, dimension + bounce * DIMENSIONS + 2u), rays);
+        radiance += throughput * light_of_sample(at, chosen, path_noise(pixel, sequence, dimension + 2u, bounce), rays);
 
         // The last ray finds emission alone.
         if (bounce == BOUNCES && frame.all_area_lights == 0u && push.has_environment == 0u) break;
-        Scattered scattered = sample_bsdf(at, picks.y, noise_of(pixel, sequence, dimension + bounce * DIMENSIONS));
+        Scattered scattered = sample_bsdf(at, picks.y, path_noise(pixel, sequence, dimension, bounce));
         throughput *= scattered.weight;
         if (throughput == vec3(0.0)) break;
         // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling knows none.
