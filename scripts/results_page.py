@@ -151,6 +151,8 @@ def write(root):
 How far the pictures are from the reference, measured by `scripts/results`; run it to have the same for your machine.
 The renderer is judged by the path tracer (`glowworm reference`), and the path tracer by
 [Mitsuba 3](https://www.mitsuba-renderer.org), a renderer that nobody here wrote.
+
+Pictures and figures of `render` are of an earlier version (commit cac0112), before sets accumulated their turns and still frames were averaged.
 """, pictures(folder)]
     for section in SECTIONS:
         file = folder / f"{section.__name__}.json"

@@ -19,16 +19,28 @@ def layer(picture, name):
     raise ValueError(f"{picture} has no layer {name}")
 
 
+def channels(picture, name):
+    """The channels of a layer in alphabetic order, as height x width x channels."""
+    for part in OpenEXR.File(str(picture), separate_channels=True).parts:
+        if part.name() == name:
+            return np.stack([part.channels[channel].pixels for channel in sorted(part.channels)], 2).astype(np.float64)
+    raise ValueError(f"{picture} has no layer {name}")
+
+
 def exposure(picture):
     """Stops that bring 95 % of a picture's luminances below 0.8."""
     return float(np.log2(0.8 / np.percentile(picture @ LUMINANCE, 95)))
 
 
+def encoded(picture, stops):
+    """sRGB, 0 to 1, of linear values."""
+    linear = np.clip(picture * 2.0 ** stops, 0, 1)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
+
+
 def display(picture, stops):
     """sRGB, 8 bits, of linear values."""
-    linear = np.clip(picture * 2.0 ** stops, 0, 1)
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
-    return (255 * encoded + 0.5).astype(np.uint8)
+    return (255 * encoded(picture, stops) + 0.5).astype(np.uint8)
 
 
 def block_means(picture, side):
@@ -75,6 +87,33 @@ def pattern(rendered, reference, period=4):
         centre = np.outer(np.abs(rows) <= 1, np.abs(columns) <= 1)
         ratios.append(around[centre].mean() / around[~centre].mean())
     return float(np.mean(ratios))
+
+
+def mottling(rendered, reference, stops, shortest=8, longest=64):
+    """What is seen as clouds and spots: the error of display luminance at periods of so many pixels, root mean square, in
+    steps of 8 bits (after a Hann window)."""
+    error = (encoded(rendered, stops) - encoded(reference, stops)) @ LUMINANCE
+    height, width = error.shape
+    window = np.outer(np.hanning(height + 1)[:-1], np.hanning(width + 1)[:-1])
+    power = np.abs(np.fft.fft2(window * error)) ** 2 / (error.size * (window ** 2).sum())
+    frequency = np.hypot(np.fft.fftfreq(height)[:, None], np.fft.fftfreq(width))
+    return float(255 * np.sqrt(power[(frequency >= 1 / longest) & (frequency <= 1 / shortest)].sum()))
+
+
+def flicker(picture, before):
+    """Mean absolute change of the irradiance's luminance from the frame before, where both show the same surface point,
+    over its mean: the temporal error of a moving picture."""
+    motion, position, depth = (channels(picture, name) for name in ["motion", "position", "depth"])
+    height, width = depth.shape[:2]
+    rows, columns = np.mgrid[:height, :width]
+    y = np.rint(rows - motion[..., 1] * height).astype(int)
+    x = np.rint(columns - motion[..., 0] * width).astype(int)
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    at = np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)
+    moved = np.linalg.norm(position - channels(before, "position")[at], axis=2)
+    same = inside & (moved < 0.02 * depth[..., 0])
+    now, then = (layer(file, "indirect") @ LUMINANCE for file in [picture, before])
+    return float(np.abs(now - then[at])[same].mean() / now[same].mean())
 
 
 def steadiness(pictures, side=32):

@@ -1,11 +1,12 @@
-"""The program of scripts/study-quality: the indirect light of the renderer against the path tracer, scene by scene, at
-default settings and standing still. The figures go to docs/quality, from which docs/QUALITY.md is generated.
+"""The program of scripts/study-quality: the renderer against the path tracer, scene by scene, at default settings, section by
+section. The figures go to docs/quality, from which docs/QUALITY.md is generated.
 """
 
 import argparse
 import hashlib
 import json
 import os
+import shutil
 import statistics
 import subprocess
 import sys
@@ -14,7 +15,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+import study_motion
 import study_pictures
+import study_pixels
 import study_quality_page
 import study_scenes
 from study_quality_page import SCENES
@@ -24,7 +27,8 @@ MORE_SAMPLES = {"classroom": 4, "living-room": 4, "corridor": 4, "blinds": 4, "u
 BOUNCES = 2
 # As many as there are temporal sets: times and rays are taken over one round of them, after warming up for another.
 ROUND = 16
-STILL = ["--time-step", 0, "--frames", 2 * ROUND + 1]
+# Nothing moves, but frames are as in motion.
+STILL = ["--time-step", 0, "--frames", 2 * ROUND + 1, "--still-frames", 0, "--antialiasing", "none"]
 # Largest side of what a strip shows, before it is enlarged.
 SHOWN = 256
 
@@ -35,7 +39,8 @@ class Study:
     def __init__(self, options):
         self.options = options
         self.cache = options.cache
-        self.cache.mkdir(parents=True, exist_ok=True)
+        self.figures = options.out / "quality"
+        self.figures.mkdir(parents=True, exist_ok=True)
         self.rendered = self.cache / "rendered.exr"
         self.made = study_scenes.make(self.cache / "scenes")
 
@@ -48,39 +53,65 @@ class Study:
             sys.exit(f"study-quality: error: glowworm {command} failed:\n{done.stderr}")
         return json.loads(report.read_text())
 
-    def reference(self, scene, seed=0, share=1):
-        """The path tracer's picture with paths through pixel centres, or one with a share of its samples and another seed,
-        and its samples a pixel; rendered once."""
-        spp = self.options.spp * MORE_SAMPLES.get(scene, 1) // share
-        name = f"{scene}-{self.options.size}-{spp}" + (f"-seed-{seed}" if seed else "")
-        if scene in self.made:
-            parts = [self.made[scene].with_suffix(kind).read_bytes() for kind in [".toml", ".obj", ".mtl"]]
-            name += "-" + hashlib.sha256(b"".join(parts)).hexdigest()[:8]
+    def chosen(self, scenes):
+        return [scene for scene in scenes if scene in self.options.scenes]
+
+    def file(self, scene):
+        """Its scene file, or its name if it has none."""
+        file = self.made.get(scene) or self.options.root / "scenes" / f"{scene}.toml"
+        return file if file.exists() else scene
+
+    def rows(self, section):
+        """What has been measured, by scene."""
+        file = self.figures / f"{section}.json"
+        return json.loads(file.read_text())["rows"] if file.exists() else {}
+
+    def keep(self, section, figures):
+        (self.figures / f"{section}.json").write_text(json.dumps(figures, indent=1) + "\n")
+
+    def reference(self, file, size, scene, frame=0, seed=0, share=1, spp=None, pixel_filter="center", bounces=BOUNCES):
+        """The path tracer's picture, with a share of the samples or `spp`, its samples a pixel and the seconds that each of them
+        took; rendered once. `file` is a path or the name of `scene`, which tells how many samples it needs."""
+        spp = spp or self.options.spp * MORE_SAMPLES.get(scene, 1) // share
+        told = [scene, size, spp, pixel_filter, bounces, frame, seed]
+        if isinstance(file, Path):
+            told.append(hashlib.sha256(file.read_bytes() + Path(study_scenes.__file__).read_bytes()).hexdigest()[:8])
+        name = "-".join(map(str, told))
         picture, report = self.cache / f"{name}.exr", self.cache / f"{name}.json"
         if not (picture.exists() and report.exists()):
-            figures = self.run("reference", self.made.get(scene, scene), "--layers", "--pixel-filter", "center",
-                               "--bounces", BOUNCES, "--seed", seed, "--spp", spp, "--size", self.options.size,
+            figures = self.run("reference", file, "--layers", "--pixel-filter", pixel_filter, "--bounces", bounces,
+                               "--frame", frame, "--time-step", "1/60", "--seed", seed, "--spp", spp, "--size", size,
                                "--out", picture, "--resume")
             report.write_text(json.dumps(figures))
-        return picture, spp
+        figures = json.loads(report.read_text())
+        width, height = figures["size"]
+        return picture, spp, width * height / figures["samples_per_second"]
 
     def noise(self, scene, reference):
         """The relMSE that is due to noise of the reference: that of another one with a quarter of its samples holds four
         times as much by its own noise, and once as much by the reference's."""
-        another, _ = self.reference(scene, 1, 4)
+        another, _, _ = self.reference(self.file(scene), self.options.size, scene, seed=1, share=4)
         return self.run("compare", another, reference, "--layer", "indirect")["relmse"] / 5
 
-    def render(self, scene, picture, *options):
+    def render(self, file, picture, size, *options):
         device = ["--device", self.options.device] if self.options.device else []
-        return self.run("render", self.made.get(scene, scene), "--layers", "--bounces", BOUNCES,
-                        "--size", self.options.size, "--out", picture, *device, *options)
+        layers = ["--layers"] if picture.suffix == ".exr" else []
+        return self.run("render", file, *layers, "--bounces", BOUNCES, "--size", size, "--out", picture, *device, *options)
+
+    def frames(self, file, size, last, *options):
+        """Renders all frames. Gives their pictures and the report; the next call replaces them."""
+        folder = self.cache / "frames"
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        report = self.render(file, folder / "{frame:03}.exr", size, "--frames", last + 1, *options)
+        return [folder / f"{frame:03}.exr" for frame in range(last + 1)], report
 
     def speed(self, scene):
         """Renders several times. Gives the median frame time of each turn and of the fastest, which other work on the machine
         disturbed least, and what is the same each time: rays a pixel, counters, the picture."""
         row = {"turns": []}
         for _ in range(self.options.turns):
-            report = self.render(scene, self.rendered, *STILL)
+            report = self.render(self.file(scene), self.rendered, self.options.size, *STILL)
             frames = report["frames"][-ROUND:]
             width, height = report["settings"]["size"]
             row["turns"].append(statistics.median(frame["total_ms"] for frame in frames))
@@ -90,7 +121,7 @@ class Study:
                                  for name in frames[0]["passes"]}
             row["rays"] = statistics.fmean(frame["shadow_rays"] for frame in frames) / (width * height)
             row["vpls"] = {name: count for name, count in frames[-1]["vpls"].items() if isinstance(count, int)}
-            row |= {key: report[key] for key in ["device", "driver"]}
+            row |= {key: report[key] for key in ["device", "driver", "commit"]}
         return row
 
     def error(self, expected, reference, stops):
@@ -105,7 +136,7 @@ class Study:
         rendered = self.cache / "seed.exr"
         pictures = []
         for seed in range(self.options.seeds):
-            self.render(scene, rendered, "--time-step", 0, "--seed", seed)
+            self.render(self.file(scene), rendered, self.options.size, *STILL, "--seed", seed)
             pictures.append(study_pictures.layer(rendered, "indirect"))
         return study_pictures.steadiness(pictures)
 
@@ -119,28 +150,46 @@ class Study:
         gap = np.full((2 * height, 8, 3), 255, np.uint8)
         Image.fromarray(np.hstack([cut[0], gap, cut[1]])).save(out, quality=72, optimize=True)
 
-    def study(self, scene, folder):
-        reference, spp = self.reference(scene)
+    def study(self, scene):
+        reference, spp, _ = self.reference(self.file(scene), self.options.size, scene)
         expected = study_pictures.layer(reference, "indirect")
         stops = study_pictures.exposure(expected)
         figures = self.speed(scene) | self.error(expected, reference, round(stops, 3))
         if self.options.seeds > 1:
             figures["steadiness"] = self.steadiness(scene)
-        self.strip(expected, stops, folder / f"{scene}.jpg")
+        self.strip(expected, stops, self.figures / f"{scene}.jpg")
         return {"size": self.options.size, "spp": spp, "noise": self.noise(scene, reference), "stops": stops,
                 "irradiance": float((expected @ study_pictures.LUMINANCE).mean()), "seeds": self.options.seeds, **figures}
+
+
+def scenes(study):
+    """The irradiance of ten scenes in which nothing moves, and what it costs."""
+    for scene in study.chosen(SCENES):
+        figures = study.study(scene)
+        study.keep(scene, figures)
+        print(study_quality_page.line(scene, study.figures / f"{scene}.json"), flush=True)
+
+
+SECTIONS = {section.__name__: section for section in [
+    scenes, study_motion.motion, study_motion.animations, study_pixels.pixels, study_pixels.convergence, study_pixels.textures]}
 
 
 def arguments(root):
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "glowworm" / "quality"
     target = Path(os.environ.get("CARGO_TARGET_DIR") or "target")
-    parser = argparse.ArgumentParser(prog="study-quality", description=__doc__)
+    listed = "\n".join(f"  {name:12} {section.__doc__}" for name, section in SECTIONS.items())
+    parser = argparse.ArgumentParser(prog="study-quality", description=__doc__, epilog=f"sections:\n{listed}",
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sections", nargs="*", metavar="SECTION", help="otherwise all")
     parser.add_argument("--glowworm", type=Path, metavar="BINARY", default=root / target / "release" / "glowworm",
                         help="the program to be measured (%(default)s)")
-    parser.add_argument("--scenes", default=",".join(SCENES), metavar="A,B", help="names (%(default)s)")
-    parser.add_argument("--size", default="256x256", metavar="WxH", help="size of the pictures (%(default)s)")
+    parser.add_argument("--scenes", default=",".join(dict.fromkeys(study_motion.MOVING + study_pixels.PICTURES)),
+                        metavar="A,B", help="names (%(default)s)")
+    parser.add_argument("--size", default="256x256", metavar="WxH",
+                        help="size of the pictures of `scenes` (%(default)s); other sections have their own")
     parser.add_argument("--spp", type=int, default=1024, metavar="N",
-                        help="samples a pixel of the references (%(default)s; four times as many where few paths find light)")
+                        help="samples a pixel of the references (%(default)s; four times as many where few paths find light, "
+                        "a quarter for each frame in motion)")
     parser.add_argument("--seeds", type=int, default=0, metavar="N", help="also render N seeds (%(default)s)")
     parser.add_argument("--turns", type=int, default=3, metavar="N", help="turns, of which the fastest counts (%(default)s)")
     parser.add_argument("--device", metavar="NAME|INDEX", help="Vulkan device, otherwise the best")
@@ -149,24 +198,21 @@ def arguments(root):
                         help="folder of QUALITY.md and quality/ (%(default)s)")
     parser.add_argument("--page-only", action="store_true", help="measure nothing, write the page")
     options = parser.parse_args()
+    options.root = root
     options.scenes = options.scenes.split(",")
-    unknown = [scene for scene in options.scenes if scene not in SCENES]
-    if unknown:
-        parser.error(f"{unknown[0]}: no such scene")
+    for name in options.sections:
+        if name not in SECTIONS:
+            parser.error(f"{name}: no such section")
     return options
 
 
 def main():
     options = arguments(Path(sys.argv.pop(1)))
-    folder = options.out / "quality"
-    folder.mkdir(parents=True, exist_ok=True)
     if not options.page_only:
         study = Study(options)
-        for scene in options.scenes:
-            print(f"{scene} ...", file=sys.stderr, flush=True)
-            figures = study.study(scene, folder)
-            (folder / f"{scene}.json").write_text(json.dumps(figures, indent=1) + "\n")
-            print(study_quality_page.line(scene, folder / f"{scene}.json"), flush=True)
+        for name in options.sections or SECTIONS:
+            print(f"{name} ...", file=sys.stderr, flush=True)
+            SECTIONS[name](study)
     study_quality_page.write(options.out)
 
 

@@ -15,22 +15,28 @@ COSTS = [("ms", "ms", ".1f"), ("rays a pixel", "rays", ".2f"), ("efficiency", "e
          ("trimmed", "trimmed_efficiency", ".1f")]
 STEADINESS = [("spread", "spread", ".3f"), ("deviation", "deviation", ".3f"), ("typical deviation", "typical_deviation", ".3f")]
 # Counters that are told elsewhere or that concern moving scenes.
-UNTOLD = ["slots", "stale", "invalidated", "shot"]
+UNTOLD = ["slots", "stale", "invalidated", "shot", "useful"]
+MOTION = [("HDR-FLIP", "flip", ".3f"), ("mean", "mean_ratio", ".3f"), ("mottling", "mottling", ".1f"), ("flicker", "flicker", ".3f"),
+          ("rays", "rays", ".2f")]
 
 HEAD = """# Quality of the indirect light
 
 The irradiance alone against the path tracer (`glowworm reference`, paths through pixel centres): default settings, 2 bounces,
-nothing moves; {size}, {device} ({driver}). These commands write this page:
+{device} ({driver}). These commands write this page:
 
 ```sh
-scripts/study-quality               # --help lists the options, such as --seeds 8 for a table of other seeds
+scripts/study-quality               # --help lists sections and options, such as --seeds 8 for a table of other seeds
 scripts/equal-time                  # a table of pictures after one second, beside Mitsuba
 ```
 
-The last four scenes are made by `scripts/study_scenes.py`: a corridor with its light far away, a room behind blinds, a light that
-shines at the ceiling, an open court with 24 lights.
+Four scenes are made by `scripts/study_scenes.py`: `corridor` with its light far away, a room behind `blinds`, an `uplight` that
+shines at the ceiling, an open `courtyard` with 24 lights.
+"""
 
-## Error
+SCENE_ERRORS = """## Scenes
+
+Nothing moves, but frames are those of motion (`--still-frames 0`): the last of 33, {size}. References have {samples} samples a pixel.
+Commit {commit}.
 
 {errors}
 
@@ -49,6 +55,48 @@ shines at the ceiling, an open court with 24 lights.
 - **rays a pixel**: shadow rays of the shaders for each pixel of a frame, mean over the same frames.
 - **efficiency**: 1 / (relMSE x seconds): how good a picture a second buys; trimmed, of the trimmed relMSE.
 - **VPLs**: slots by what they hold, of all slots.
+"""
+
+IN_MOTION = """## In motion
+
+The camera turns by 30 degrees a second; in the playroom lamps and objects move. Means over frames 32, 64 and 96 of 1/60 s,
+{size}, against the path tracer's frames of {spp} samples a pixel; commit {commit}. Each cell: default / 16 times the samples (`{options}`).
+
+{table}
+
+- **mottling**: error of display luminance (exposure as in SSIM, sRGB) at periods of 8 to 64 pixels, root mean square, in steps of 8 bits.
+- **flicker**: mean absolute change of the irradiance from frame to frame at the same surface points, over its mean.
+- **rays**: rays a pixel of a frame, mean over frames 32 to 96.
+- **path tracer**: HDR-FLIP and mottling of as many of its samples a pixel as take the time of a frame on the same cores, at least one.
+"""
+
+ANIMATIONS = """Default, 16 times the samples, path tracer, at one exposure:
+
+{pictures}
+"""
+
+PIXELS = """## Single pixels
+
+Share of the pixels in percent, {size}, scene's view after 64 frames, still and with the turning camera. **Clipped**: any channel, or all, at
+255, where no lamp, sky or edge of them is seen. **Black**, **lone**: light that does not come straight from a lamp is below a quarter,
+or above four times, of the reference's pixel and of the median of the 3 x 3 around it, where that is above 2 % of the picture's mean.
+
+{table}
+"""
+
+CONVERGENCE = """## Standing still
+
+Whole pictures, {size}, after so many still frames, against the path tracer: HDR-FLIP, and mean luminance over the reference's at the last.
+
+{table}
+"""
+
+TEXTURES = """## Textures
+
+Local contrast, {size}: standard deviation of the 3 x 3 pixels around each of `albedo`, root mean square, over that of the path tracer,
+which averages the image over the pixel; of one frame, which samples a pixel once, and of the mean of 16, which antialiasing shows.
+
+{table}
 """
 
 SEEDS = """## Other seeds
@@ -116,6 +164,42 @@ def strips(rows):
     return "## Beside the reference\n\nIndirect irradiance at one exposure: the renderer, then the path tracer.\n\n" + "\n".join(parts)
 
 
+def motion(figures, docs):
+    def cells(row, key, form):
+        return " / ".join(f"{row[way][key]:{form}}" for way in ["default", "16x"])
+
+    rows = []
+    for scene, row in figures["rows"].items():
+        traced = row["reference"]
+        rows.append([scene, *(cells(row, key, form) for _, key, form in MOTION),
+                     f"{traced['flip']:.3f}, {traced['mottling']:.1f} ({traced['samples']})"])
+    part = IN_MOTION.format(**figures, table=table(["scene", *(head for head, _, _ in MOTION), "path tracer (samples)"], rows))
+    shown = [f"![{file.stem}: default, 16 times the samples, path tracer](quality/{file.name})"
+             for file in sorted((docs / "quality").glob("*.gif"))]
+    return part + ("\n" + ANIMATIONS.format(pictures="\n\n".join(shown)) if shown else "")
+
+
+def pixels(figures, _):
+    rows = [[scene, *(f"{100 * row[part][key]:.2f}" for part, key in
+                      [("clipped", "any"), ("clipped", "all"), ("still", "black"), ("still", "lone"), ("moving", "black"), ("moving", "lone")])]
+            for scene, row in figures["rows"].items()]
+    head = ["scene", "clipped, any", "all", "still: black", "lone", "moving: black", "lone"]
+    return PIXELS.format(**figures, table=table(head, rows))
+
+
+def convergence(figures, _):
+    first = next(iter(figures["rows"].values()))
+    head = ["scene", *(f"{step['frames']:,}" for step in first["frames"]), "mean", "samples of the reference"]
+    rows = [[scene, *(f"{step['flip']:.3f}" for step in row["frames"]), f"{row['frames'][-1]['mean_ratio']:.4f}", f"{row['spp']:,}"]
+            for scene, row in figures["rows"].items()]
+    return CONVERGENCE.format(**figures, table=table(head, rows))
+
+
+def textures(figures, _):
+    rows = [[name, f"{row['frame']:.3f}", f"{row['mean']:.3f}"] for name, row in figures["rows"].items()]
+    return TEXTURES.format(**figures, table=table(["", "one frame", "mean of 16"], rows))
+
+
 def write(docs):
     """Writes the page from the available figures."""
     files = {scene: docs / "quality" / f"{scene}.json" for scene in SCENES}
@@ -123,8 +207,14 @@ def write(docs):
     if not rows:
         return
     first = next(iter(rows.values()))
-    parts = [HEAD.format(**{key: first[key] for key in ["size", "device", "driver"]}, turns=len(first["turns"]),
-                         errors=by_scene(rows, ERRORS), costs=by_scene(rows, COSTS, ["VPLs"], vpls))]
+    parts = [HEAD.format(**first)]
+    for section in [motion, pixels, convergence, textures]:
+        file = docs / "quality" / f"{section.__name__}.json"
+        if file.exists():
+            parts.append(section(json.loads(file.read_text()), docs))
+    samples = " to ".join(f"{count:,}" for count in sorted({row["spp"] for row in rows.values()}))
+    parts.append(SCENE_ERRORS.format(size=first["size"], commit=first["commit"], samples=samples, turns=len(first["turns"]),
+                                     errors=by_scene(rows, ERRORS), costs=by_scene(rows, COSTS, ["VPLs"], vpls)))
     seeded = {scene: row for scene, row in rows.items() if "steadiness" in row}
     if seeded:
         steady = by_scene({scene: row["steadiness"] for scene, row in seeded.items()}, STEADINESS)
