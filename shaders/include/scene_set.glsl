@@ -174,6 +174,8 @@ SCENE_BUFFER(24) bvh_roots_block { uvec4 groups; } bvh_roots;
 #endif
 // Linear colour and alpha of all vertices, half floats; of none if all are white.
 SCENE_BUFFER(25) VertexColourBlock { uvec2 data[]; } vertex_colours;
+// environment_map without its suns, which are lights: see src/scene/suns.rs.
+layout(set = 1, binding = 26) uniform sampler2D sky_map;
 
 vec4 unpack_halves(uvec2 packed) { return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y)); }
 
