@@ -4,7 +4,7 @@
 // What the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
 // the lobe's directional albedo; a: how wide a blur is of use; at most one hit of each path that the estimator is to light; and for
 // the denoiser what is seen and where it was in the last frame: in smooth surfaces the mirror image of the hit, elsewhere the surface.
-// A thin surface before it is treated likewise, in its place or, by chance, beside it; before the open sky its irradiance, too, is a hit's.
+// A thin surface before it is treated likewise, in its place or, by chance, beside it; its irradiance is that of a hit.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -255,8 +255,8 @@ struct Seen {
     bool mirrors;
 };
 
-// The first thin surface of a pixel, and the path that begins there: with nothing behind it, irradiance is that of a hit.
-bool thin_surface_at(ivec2 pixel, bool is_last, out Seen seen, out Path path) {
+// The first thin surface of a pixel, and the path that begins there, as a share of its albedo; the rest is for irradiance.
+bool thin_surface_at(ivec2 pixel, out Seen seen, out Path path) {
     path = new_path();
     vec3 direction = pixel_ray(vec2(pixel));
     float start = push.near;
@@ -268,7 +268,6 @@ bool thin_surface_at(ivec2 pixel, bool is_last, out Seen seen, out Path path) {
     seen.roughness = met.bsdf.roughness;
     seen.instance = (hit.instance + 1u) & 4095u;
     seen.mirrors = true;
-    if (!is_last) return true;
     vec3 all = max(reflection.diffuse + reflection.reflected, vec3(1e-6));
     path.throughput = reflection.reflected * reflection_weight(met.bsdf.roughness) / all;
     vec3 weight = (vec3(1.0) - path.throughput) / PI;
@@ -298,7 +297,7 @@ void main() {
     vec3 before = HAS_THIN_SURFACES ? imageLoad(thin_mirrored, pixel).rgb : vec3(0.0);
     Seen thin;
     Path from_thin;
-    if (before != vec3(0.0) && thin_surface_at(pixel, id.x == 0u, thin, from_thin)) {
+    if (before != vec3(0.0) && thin_surface_at(pixel, thin, from_thin)) {
         vec3 behind = vec3(0.0);
         if (seen.mirrors) behind = seen.at.reflection.reflected * reflection_weight(seen.roughness) * imageLoad(thin_transmittance, pixel).rgb;
         float share = luminance(before) / luminance(before + behind);

@@ -5,8 +5,8 @@
 // that is there, and its BSDF's directional albedos, each adds
 //   T c (emission + BSDF of punctual lights) as light,   T c (diffuse + specular albedo) as albedo under irradiance.
 // Out: both sums, and what all thin surfaces let pass of the light behind. Irradiance is that of the surface behind; before the open sky
-// it is the environment's mean, and that light is in the first sum. Where reflection rays are traced, they light the first surface instead:
-// its GGX lobe as far as it mirrors and, before the open sky, all of its albedo.
+// it is the environment's mean, and that light is in the first sum. Where reflection rays are traced, they and the estimator light all of
+// the albedo of the first surface instead.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -15,7 +15,6 @@
 #include "tracer.glsl"
 #include "hit.glsl"
 #include "next_thin_surface.glsl"
-#include "reflection_weight.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -79,11 +78,8 @@ void main() {
         Surface at = Surface(met.position, met.shading, met.geometric, hit.t);
         light += weight * (met.emission + lit_by_lamps(at, reflection, reflects(met.bsdf)));
         vec3 by_irradiance = weight * (reflection.diffuse + reflection.reflected);
-        if (shown == 0 && frame.reflection_limit >= 0.0) {
-            mirrored = depth == 0.0 ? by_irradiance : weight * reflection.reflected * reflection_weight(met.bsdf.roughness);
-            by_irradiance -= mirrored;
-        }
-        albedo += by_irradiance;
+        if (shown == 0 && frame.reflection_limit >= 0.0) mirrored = by_irradiance;
+        else albedo += by_irradiance;
         transmittance *= transmittance_of(thin, reflection.reflected);
     }
     if (depth == 0.0) {
