@@ -132,7 +132,7 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         let tracer = tracer_choice::choose(device.info(), settings.tracer)?;
         let PreparedScene { scene, anchor, mut bvh, bvh_ms } = prepared;
-        let pose = &*pose.about(anchor);
+        let pose = &*Pose::with_suns(pose.about(anchor));
         let given = settings.clone();
         let settings = &resolved(&given, pose);
         bvh.update(&pose.instances);
@@ -180,8 +180,11 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        self.resolve_again(pose)?;
-        let pose = &*pose.about(self.anchor);
+        let lit = Pose::with_suns(pose.about(self.anchor));
+        if resolved(&self.settings, &lit) != self.resolved {
+            self.set_settings(&self.settings.clone(), pose)?;
+        }
+        let pose = &*lit;
         let clock = self.clock.next(pose, &self.clock_inputs());
         self.still = clock.still_frames();
         if !std::mem::take(&mut self.redraws) && clock.is_frozen() {
@@ -229,8 +232,9 @@ impl Renderer {
         let (estimator, denoiser) = (&mut *self.estimator, &mut *self.indirect_denoiser);
         record_indirect(&mut frame, estimator, denoiser, inputs)?;
         if let Some(reflections) = &mut self.passes.reflections {
-            let method = estimators::method(&self.settings);
-            record_reflections(&mut frame, reflections, (estimator, method), denoiser, inputs)?;
+            let (method, thin) =
+                (estimators::method(&self.settings), self.passes.direct.thin_surfaces.as_ref());
+            record_reflections(&mut frame, (reflections, thin), (estimator, method), denoiser, inputs)?;
         }
 
         // Join all light, smooth edges, and tone map.
@@ -271,14 +275,6 @@ impl Renderer {
         (self.uniforms, self.unjittered) = (Some(*uniforms), Some(unjittered[0]));
         self.pending.push_back(pending);
         Ok(())
-    }
-
-    /// Makes the choices anew that the settings leave to the lights.
-    fn resolve_again(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        if resolved(&self.settings, pose) == self.resolved {
-            return Ok(());
-        }
-        self.set_settings(&self.settings.clone(), pose)
     }
 
     /// The frame's work on the CPU, while the device draws the frame before.

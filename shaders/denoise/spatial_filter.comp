@@ -48,8 +48,9 @@ void main() {
     Surface centre = surface_at(push.pixels * texel);
     vec4 middle = imageLoad(noisy, texel);
     float variance = imageLoad(noisy_variance, texel).r;
-    if (centre.depth > 0.0 && variance > 0.0) {
-        float deviation = sqrt(smooth_variance(texel, extent));
+    // Where few sets know a place, as at an edge that the camera turns to, all of them may be black by chance.
+    float deviation = centre.depth > 0.0 ? sqrt(smooth_variance(texel, extent)) : 0.0;
+    if (deviation > 0.0) {
         float light = luminance(middle.rgb);
         vec4 sum = vec4(middle.rgb, 1.0);
         float sum_of_variances = variance;

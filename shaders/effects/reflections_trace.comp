@@ -4,6 +4,7 @@
 // What the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
 // the lobe's directional albedo; a: how wide a blur is of use; at most one hit of each path that the estimator is to light; and for
 // the denoiser what is seen and where it was in the last frame: in smooth surfaces the mirror image of the hit, elsewhere the surface.
+// A thin surface before it is treated likewise, in its place or, by chance, beside it; its irradiance is that of a hit.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -11,6 +12,7 @@
 #include "rounded.glsl"
 #include "tracer.glsl"
 #include "hit.glsl"
+#include "next_thin_surface.glsl"
 #include "noise.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -41,6 +43,10 @@ layout(set = 0, binding = 35, rgba16ui) uniform readonly uimage2D last_image_sur
 layout(set = 0, binding = 36, rgba16ui) uniform writeonly uimage2D image_surface;
 layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reprojected;
 
+// Of thin surfaces: see thin_surfaces.comp.
+layout(set = 0, binding = 38, rgba16f) uniform readonly image2D thin_mirrored;
+layout(set = 0, binding = 39, rgba16f) uniform readonly image2D thin_transmittance;
+
 // Glossy surfaces that a path follows, at most.
 layout(constant_id = 2) const uint DEPTH = 2u;
 
@@ -50,6 +56,7 @@ layout(push_constant) uniform Push {
     uint has_history;
     uint has_environment; // 0: what lies behind all surfaces is only seen, it sends no light
     uint sees_screen;     // 0: hits on the screen are left to the estimator, too
+    float near;           // view depth of the first thin surface
 } push;
 
 // Dimensions of the random numbers that a hit takes; the first ones are those of soft shadows.
@@ -80,6 +87,10 @@ struct Path {
 };
 
 bool inside(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(frame.size))); }
+
+Path new_path() {
+    return Path(vec3(0.0), vec3(1.0), HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0), 0.0);
+}
 
 // Irradiance of a surface that is on the screen; false where none of it is.
 bool seen_irradiance(HitSurface hit, uint instance, out vec3 result) {
@@ -128,12 +139,11 @@ struct FirstHit {
     vec3 geometric;
 };
 
-Path trace_path(ivec2 pixel, ShadingPoint visible, out FirstHit first) {
-    Path path = Path(vec3(0.0), vec3(1.0), HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0), 0.0);
+Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, out FirstHit first) {
     first = FirstHit(false, 0u, 1e4 * frame.eye.w, vec3(0.0), vec3(0.0), vec3(0.0));
     ShadingPoint at = visible;
     RayCone cone = RayCone(push.spread * at.surface.depth, push.spread);
-    for (uint depth = 0u; depth < DEPTH; depth++) {
+    for (uint depth = 0u; depth < DEPTH && path.throughput != vec3(0.0); depth++) {
         uint dimension = FIRST_DIMENSION + depth * DIMENSIONS;
         Sampled sampled = sample_reflected(at.reflection, noise(pixel, dimension));
         float cosine = dot(at.surface.shading, sampled.direction);
@@ -152,7 +162,8 @@ Path trace_path(ivec2 pixel, ShadingPoint visible, out FirstHit first) {
         bool met = trace_closest(origin, sampled.direction, 0.0, FAR, hit);
         if (HAS_THIN_SURFACES) path.throughput *= trace_transmittance(origin, sampled.direction, 0.0, met ? just_before(hit.t) : FAR);
         if (!met) {
-            if (push.has_environment == 1u) path.radiance += path.throughput * environment_radiance(sampled.direction);
+            // Perfect mirrors see suns, other lobes get their light directly.
+            if (push.has_environment == 1u) path.radiance += path.throughput * environment_radiance(sampled.direction, sampled.density < 0.0);
             break;
         }
         HitSurface surface = surface_of(hit, sampled.direction, cone);
@@ -236,42 +247,99 @@ float blur_of(Surface mirror, float alpha, FirstHit hit, bool noisy_light) {
     return clamp(max(lobe, noisy_light ? IMAGE_BLUR : 0.0) / WIDEST, 0.0, 1.0);
 }
 
+// Where a path begins, and what the denoiser is told of.
+struct Seen {
+    ShadingPoint at;
+    float roughness;
+    uint instance;
+    bool mirrors;
+};
+
+// The first thin surface of a pixel, and the path that begins there, as a share of its albedo; the rest is for irradiance.
+bool thin_surface_at(ivec2 pixel, out Seen seen, out Path path) {
+    path = new_path();
+    vec3 direction = pixel_ray(vec2(pixel));
+    float start = push.near;
+    TracerHit hit;
+    HitSurface met;
+    if (!next_thin_surface(direction, start, FAR, push.spread, hit, met)) return false;
+    Reflection reflection = prepare_bsdf(met.bsdf, met.shading, -normalize(direction));
+    seen.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
+    seen.roughness = met.bsdf.roughness;
+    seen.instance = (hit.instance + 1u) & 4095u;
+    seen.mirrors = true;
+    vec3 all = max(reflection.diffuse + reflection.reflected, vec3(1e-6));
+    path.throughput = reflection.reflected * reflection_weight(met.bsdf.roughness) / all;
+    vec3 weight = (vec3(1.0) - path.throughput) / PI;
+    path.record_weight = luminance(weight);
+    path.record = HitRecord(met.position, met.shading, met.geometric, weight / max(path.record_weight, 1e-6), 0.0);
+    return true;
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    Surface surface = surface_at(pixel);
-    SeenImage image = SeenImage(surface.position, surface.depth, surface.shading, surface.geometric, id.x & 4095u);
-    vec4 result = vec4(0.0);
+    Seen seen;
+    seen.at.surface = surface_at(pixel);
+    seen.roughness = imageLoad(gbuffer_albedo, pixel).a;
+    seen.instance = id.x & 4095u;
+    seen.mirrors = id.x != 0u && reflection_weight(seen.roughness) > 0.0;
+    if (seen.mirrors) {
+        seen.at = shading_point_at(pixel, id);
+        seen.mirrors = seen.at.is_glossy;
+    }
     vec4 then = imageLoad(reprojected, pixel);
-    HitRecord record = HitRecord(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0);
-    float roughness = imageLoad(gbuffer_albedo, pixel).a;
-    bool mirrors = id.x != 0u && reflection_weight(roughness) > 0.0;
-    if (mirrors) {
-        ShadingPoint at = shading_point_at(pixel, id);
-        mirrors = at.is_glossy;
-        if (mirrors) {
-            FirstHit first;
-            Path path = trace_path(pixel, at, first);
-            record = path.record;
-            float blur = blur_of(surface, at.reflection.alpha, first, record.weight != vec3(0.0));
-            result = vec4(min(path.radiance, MOST_HALF), blur);
-            bool is_sharp = roughness < IMAGE_ROUGHNESS;
-            SeenImage mirrored = image_of(surface, first);
-            if (is_sharp) image = mirrored;
-            if (roughness < MOVING_ROUGHNESS && is_flat(pixel, surface.shading)) {
-                then = image_then(pixel, surface, mirrored, first, is_sharp, image);
-            }
+    Path path = new_path();
+    ShadingPoint begins = seen.at;
+    vec3 scale = vec3(1.0);
+    bool is_thin = false, is_traced = true;
+    vec3 before = HAS_THIN_SURFACES ? imageLoad(thin_mirrored, pixel).rgb : vec3(0.0);
+    Seen thin;
+    Path from_thin;
+    if (before != vec3(0.0) && thin_surface_at(pixel, thin, from_thin)) {
+        vec3 behind = vec3(0.0);
+        if (seen.mirrors) behind = seen.at.reflection.reflected * reflection_weight(seen.roughness) * imageLoad(thin_transmittance, pixel).rgb;
+        float share = luminance(before) / luminance(before + behind);
+        bool begins_before = noise(pixel, 3u).y < share;
+        scale = (begins_before ? before / share : behind / (1.0 - share)) / max(before + behind, vec3(1e-6));
+        if (begins_before) {
+            path = from_thin;
+            begins = thin.at;
         }
+        is_thin = share >= 0.5;
+        is_traced = is_thin == begins_before;
+        if (is_thin) seen = thin;
+    }
+
+    vec4 result = vec4(0.0);
+    Surface surface = seen.at.surface;
+    SeenImage image = SeenImage(surface.position, surface.depth, surface.shading, surface.geometric, seen.instance);
+    if (seen.mirrors) {
+        FirstHit first;
+        path = trace_path(pixel, path, begins, first);
+        path.record.weight *= scale;
+        // What another surface than the one that is seen mirrors says nothing of its image.
+        if (!is_traced) first = FirstHit(false, 0u, 0.0, vec3(0.0), vec3(0.0), vec3(0.0));
+        float blur = blur_of(surface, seen.at.reflection.alpha, first, path.record.weight != vec3(0.0));
+        result = vec4(min(path.radiance * scale, MOST_HALF), blur);
+        bool is_sharp = seen.roughness < IMAGE_ROUGHNESS && is_traced;
+        SeenImage mirrored = image_of(surface, first);
+        bool moves = seen.roughness < MOVING_ROUGHNESS && (is_thin || is_flat(pixel, surface.shading));
+        SeenImage moving = image;
+        if (is_sharp) image = mirrored;
+        if (moves) moving = mirrored;
+        else first.met = false;
+        if (moves || is_thin) then = image_then(pixel, surface, moving, first, is_sharp, image);
     }
     imageStore(reflection, pixel, rounded(result));
-    imageStore(hit_place, pixel, pack_place(record));
-    imageStore(hit_weight, pixel, pack_weight(record));
+    imageStore(hit_place, pixel, pack_place(path.record));
+    imageStore(hit_weight, pixel, pack_weight(path.record));
     // Where nothing is mirrored there is nothing to denoise.
-    float depth = mirrors ? image.depth : 0.0;
+    float depth = seen.mirrors ? image.depth : 0.0;
     imageStore(image_depth, pixel, vec4(depth));
     imageStore(image_normal, pixel, vec4(octahedral_encode(image.shading), octahedral_encode(image.geometric)));
     VisibleSurface packed = VisibleSurface(depth, image.shading, image.instance);
-    imageStore(image_surface, pixel, mirrors ? pack_surface(packed) : uvec4(0u));
+    imageStore(image_surface, pixel, seen.mirrors ? pack_surface(packed) : uvec4(0u));
     imageStore(image_reprojected, pixel, then);
 }

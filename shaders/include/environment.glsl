@@ -9,7 +9,9 @@ vec2 environment_place(vec3 direction) {
     return vec2(azimuth / (2.0 * PI) + 0.5, atan(length(xz), direction.y) / PI);
 }
 
-// Radiance from a direction of any length, bilinear; it repeats to the sides. Twin: Environment::radiance in src/scene/environment.rs.
-vec3 environment_radiance(vec3 direction) {
-    return frame.background.rgb * textureLod(environment_map, environment_place(normalize(direction)), 0.0).rgb;
+// Radiance from a direction of any length, bilinear; it repeats to the sides; with the suns or without, which are lights, too (who sees
+// what: src/scene/suns.rs). Twin: Environment::radiance in src/scene/environment.rs.
+vec3 environment_radiance(vec3 direction, bool with_suns) {
+    vec2 uv = environment_place(normalize(direction));
+    return frame.background.rgb * (with_suns ? textureLod(environment_map, uv, 0.0) : textureLod(sky_map, uv, 0.0)).rgb;
 }

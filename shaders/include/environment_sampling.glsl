@@ -1,4 +1,4 @@
-// Directions in proportion to the luminance of the environment's map, nearly. Needs environment.glsl. Twin: EnvironmentMap::sample and
+// Directions in proportion to the luminance of the environment's map without its suns, nearly. Needs environment.glsl. Twin: EnvironmentMap::sample and
 // density in src/scene/environment.rs.
 
 // Below 1, for what u leaves within a bin.
@@ -39,27 +39,27 @@ vec2 environment_row(int row, int height) { return clamp((float(row) + vec2(-0.5
 
 // Density of `sample_environment` over solid angle, 1/sr, at the place `uv` of the map.
 float environment_density_at(vec2 uv) {
-    int height = textureSize(environment_map, 0).y;
+    int height = textureSize(sky_map, 0).y;
     int row = clamp(int(uv.y * float(height) + 0.5), 0, height);
     vec2 edges = environment_row(row, height);
     float greatest_sine = sin(PI * clamp(0.5, edges.x, edges.y));
     float area = 2.0 * PI * PI * sin(PI * uv.y) * environment_integral();
-    return area > 0.0 ? luminance(textureLod(environment_map, uv, 0.0).rgb) * greatest_sine / area : 0.0;
+    return area > 0.0 ? luminance(textureLod(sky_map, uv, 0.0).rgb) * greatest_sine / area : 0.0;
 }
 
 float environment_density(vec3 direction) { return environment_density_at(environment_place(direction)); }
 
 // A direction, and its density over solid angle, 1/sr; 0: there is none.
 vec3 sample_environment(vec2 u, out float density) {
-    ivec2 size = textureSize(environment_map, 0);
+    ivec2 size = textureSize(sky_map, 0);
     int row = int(environment_bin(0u, uint(size.y) + 1u, u.y));
     int column = int(environment_bin(uint(size.y) + 1u + uint(row * size.x), uint(size.x), u.x));
     ivec2 columns = ivec2(column, (column + 1) % size.x);
     ivec2 rows = ivec2(max(row - 1, 0), min(row, size.y - 1));
     vec2 above, below;
     for (int i = 0; i < 2; i++) {
-        above[i] = luminance(texelFetch(environment_map, ivec2(columns[i], rows.x), 0).rgb);
-        below[i] = luminance(texelFetch(environment_map, ivec2(columns[i], rows.y), 0).rgb);
+        above[i] = luminance(texelFetch(sky_map, ivec2(columns[i], rows.x), 0).rgb);
+        below[i] = luminance(texelFetch(sky_map, ivec2(columns[i], rows.y), 0).rgb);
     }
     float down = sample_linear(vec2(above.x + above.y, below.x + below.y), u.y);
     float across = sample_linear(mix(above, below, down), u.x);

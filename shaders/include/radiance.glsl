@@ -12,6 +12,7 @@ layout(set = 0, binding = 7, rgba16f) uniform readonly image2D thin_light;
 layout(set = 0, binding = 8, rgba16f) uniform readonly image2D thin_albedo;
 layout(set = 0, binding = 9, rgba16f) uniform readonly image2D thin_transmittance;
 layout(set = 0, binding = 10, rgba16f) uniform readonly image2D reflection;
+layout(set = 0, binding = 13, rgba16f) uniform readonly image2D thin_mirrored;
 
 // a: how much the pixel counts for automatic exposure.
 vec4 radiance_at(ivec2 pixel, vec3 irradiance) {
@@ -20,11 +21,13 @@ vec4 radiance_at(ivec2 pixel, vec3 irradiance) {
     vec3 specular = imageLoad(specular_albedo, pixel).rgb;
     float mirrored = reflection_weight(albedo_roughness.a);
     vec3 albedo = albedo_roughness.rgb + specular * (1.0 - mirrored);
-    if (mirrored > 0.0 && specular != vec3(0.0)) light.rgb += specular * mirrored * imageLoad(reflection, pixel).rgb;
+    specular *= mirrored;
     if (HAS_THIN_SURFACES) {
         vec3 transmittance = imageLoad(thin_transmittance, pixel).rgb;
         light.rgb = light.rgb * transmittance + imageLoad(thin_light, pixel).rgb;
         albedo = albedo * transmittance + imageLoad(thin_albedo, pixel).rgb;
+        specular = specular * transmittance + imageLoad(thin_mirrored, pixel).rgb;
     }
+    if (specular != vec3(0.0)) light.rgb += specular * imageLoad(reflection, pixel).rgb;
     return vec4(light.rgb + albedo / PI * irradiance, light.a);
 }

@@ -143,7 +143,7 @@ SCENE_BUFFER(8) AreaLightBlock { AreaLightData data[]; } area_lights;
 SCENE_BUFFER(9) EmitterBlock { Emitter data[]; } emitters;
 // Equirectangular, from the top left; its middle lies towards -z, its right half towards +x. One texel where there is no map.
 layout(set = 1, binding = 10) uniform sampler2D environment_map;
-// The cumulative distribution of its luminance: of the rows of cells, then of the cells of each row, and its integral (src/scene/environment.rs).
+// The cumulative distribution of the luminance of its sky: of the rows of cells, then of the cells of each row, and its integral (src/scene/environment.rs).
 SCENE_BUFFER(11) EnvironmentBlock { float cumulative[]; } environment_distribution;
 // Two channels of 8 bits, frame by frame, 64 x 64 texels each: two texels a word. See examples/blue_noise.rs.
 SCENE_BUFFER(12) BlueNoiseBlock { uint words[]; } blue_noise;
@@ -174,6 +174,8 @@ SCENE_BUFFER(24) bvh_roots_block { uvec4 groups; } bvh_roots;
 #endif
 // Linear colour and alpha of all vertices, half floats; of none if all are white.
 SCENE_BUFFER(25) VertexColourBlock { uvec2 data[]; } vertex_colours;
+// environment_map without its suns, which are lights: see src/scene/suns.rs.
+layout(set = 1, binding = 26) uniform sampler2D sky_map;
 
 vec4 unpack_halves(uvec2 packed) { return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y)); }
 

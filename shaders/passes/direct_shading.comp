@@ -66,7 +66,7 @@ void main() {
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
     vec3 specular = vec3(0.0);
-    vec4 radiance = id.x != 0u ? radiance_of(id, pixel, specular) : vec4(environment_radiance(pixel_ray(vec2(pixel))), 0.0);
+    vec4 radiance = id.x != 0u ? radiance_of(id, pixel, specular) : vec4(environment_radiance(pixel_ray(vec2(pixel)), true), 0.0);
     imageStore(specular_albedo, pixel, rounded(vec4(specular, 0.0)));
     imageStore(direct, pixel, storable(radiance));
 }

@@ -5,7 +5,8 @@
 // that is there, and its BSDF's directional albedos, each adds
 //   T c (emission + BSDF of punctual lights) as light,   T c (diffuse + specular albedo) as albedo under irradiance.
 // Out: both sums, and what all thin surfaces let pass of the light behind. Irradiance is that of the surface behind; before the open sky
-// it is the environment's mean, and that light is in the first sum.
+// it is the environment's mean, and that light is in the first sum. Where reflection rays are traced, they and the estimator light all of
+// the albedo of the first surface instead.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -13,6 +14,7 @@
 #include "rounded.glsl"
 #include "tracer.glsl"
 #include "hit.glsl"
+#include "next_thin_surface.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -24,6 +26,7 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D thin_light;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D thin_albedo;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D thin_transmittance;
+layout(set = 0, binding = 7, rgba16f) uniform writeonly image2D thin_mirrored;
 
 // Twin: ThinSurfacesPush in src/passes/thin_surfaces.rs.
 layout(push_constant) uniform Push {
@@ -63,21 +66,20 @@ void main() {
 
     vec3 light = vec3(0.0);
     vec3 albedo = vec3(0.0);
+    vec3 mirrored = vec3(0.0);
     vec3 transmittance = vec3(1.0);
     TracerHit hit;
-    int shown = 0;
-    while (shown < MOST_THIN_SURFACES && transmittance != vec3(0.0)) {
-        if (!trace_thin_surface(frame.eye.xyz, direction, start, end, hit)) break;
-        start = just_behind(hit.t);
-        HitSurface met = surface_of(hit, direction, RayCone(0.0, push.spread * frame.footprint));
-        if (!met.front && (materials.data[hit.material].flags & SINGLE_SIDED) != 0u) continue;
-        shown++;
+    HitSurface met;
+    for (int shown = 0; shown < MOST_THIN_SURFACES && transmittance != vec3(0.0); shown++) {
+        if (!next_thin_surface(direction, start, end, push.spread, hit, met)) break;
         Reflection reflection = prepare_bsdf(met.bsdf, met.shading, to_eye);
         ThinPoint thin = thin_point(hit.material, met.colour);
         vec3 weight = transmittance * thin.coverage;
         Surface at = Surface(met.position, met.shading, met.geometric, hit.t);
         light += weight * (met.emission + lit_by_lamps(at, reflection, reflects(met.bsdf)));
-        albedo += weight * (reflection.diffuse + reflection.reflected);
+        vec3 by_irradiance = weight * (reflection.diffuse + reflection.reflected);
+        if (shown == 0 && frame.reflection_limit >= 0.0) mirrored = by_irradiance;
+        else albedo += by_irradiance;
         transmittance *= transmittance_of(thin, reflection.reflected);
     }
     if (depth == 0.0) {
@@ -87,4 +89,5 @@ void main() {
     imageStore(thin_light, pixel, storable(vec4(light, 0.0)));
     imageStore(thin_albedo, pixel, vec4(albedo, 0.0));
     imageStore(thin_transmittance, pixel, vec4(transmittance, 0.0));
+    imageStore(thin_mirrored, pixel, rounded(vec4(mirrored, 0.0)));
 }

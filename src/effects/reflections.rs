@@ -14,6 +14,7 @@ use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::history::History;
 use crate::passes::storage_image;
+use crate::passes::thin_surfaces::ThinSurfaceImages;
 use crate::scene::Scene;
 use crate::settings::{Noise, Reflections as Wanted, Settings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
@@ -40,6 +41,7 @@ struct TracePush {
     has_history: u32,
     has_environment: u32,
     sees_screen: u32,
+    near: f32,
 }
 
 /// The effect: 132 bytes a pixel.
@@ -65,7 +67,7 @@ struct MirrorImage {
     reprojected: Image,
 }
 
-/// Whether reflections are traced: with `auto`, in scenes where a surface that raster draws may be glossy enough.
+/// Whether reflections are traced: with `auto`, in scenes where a surface may be glossy enough.
 pub fn traces_reflections(scene: &Scene, settings: &Settings) -> bool {
     let limit = settings.effects.reflection_roughness;
     match settings.reflections {
@@ -76,7 +78,7 @@ pub fn traces_reflections(scene: &Scene, settings: &Settings) -> bool {
             let smooth = limit >= 1.0
                 || material.roughness < limit + REFLECTION_BLEND
                 || material.metallic_roughness_texture.is_some();
-            reflects && smooth && !material.is_thin_surface()
+            reflects && smooth
         }),
     }
 }
@@ -139,7 +141,7 @@ impl Reflections {
     }
 
     /// Casts the rays. `irradiance`: that of the visible surfaces, RGBA16F, and whether hits on the screen take it from there. Otherwise
-    /// the estimator is to light all.
+    /// the estimator is to light all. `thin_surfaces`: those before the visible surfaces, in scenes that have any.
     ///
     /// # Errors
     /// Where the device fails.
@@ -148,6 +150,7 @@ impl Reflections {
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
         (irradiance, sees_screen): (&Image, bool),
+        thin_surfaces: Option<&ThinSurfaceImages>,
     ) -> Result<(), VulkanError> {
         let (gbuffer, image) = (inputs.gbuffer, &mut self.image);
         let extent = self.noisy.extent();
@@ -155,6 +158,11 @@ impl Reflections {
         let has_history = u32::from(image.surfaces.is_valid());
         let has_environment = u32::from(inputs.pose.environment.is_some());
         let sees_screen = u32::from(sees_screen);
+        let near = inputs.pose.camera.near;
+        // Without thin surfaces an image of the same format is bound, and not read.
+        let unread = &gbuffer.albedo;
+        let [mirrored, transmittance] =
+            thin_surfaces.map_or([unread, unread], |thin| [&thin.mirrored, &thin.transmittance]);
         inputs
             .bind(frame.pass("reflections_trace", &self.trace))
             .read("gbuffer_albedo", &gbuffer.albedo)
@@ -162,6 +170,8 @@ impl Reflections {
             .read("gbuffer_surface", &gbuffer.surface)
             .read("irradiance", irradiance)
             .read("reprojected", &inputs.reprojection.reprojected)
+            .read("thin_mirrored", mirrored)
+            .read("thin_transmittance", transmittance)
             .write("reflection", &self.noisy)
             .write("hit_place", &self.hit_place)
             .write("hit_weight", &self.hit_weight)
@@ -170,7 +180,7 @@ impl Reflections {
             .write("image_normal", &image.normal)
             .write("image_surface", image.surfaces.next())
             .write("image_reprojected", &image.reprojected)
-            .push(&TracePush { spread, has_history, has_environment, sees_screen })
+            .push(&TracePush { spread, has_history, has_environment, sees_screen, near })
             .dispatch_over(extent)?;
         image.surfaces.advance();
         Ok(())

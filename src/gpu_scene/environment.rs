@@ -1,6 +1,6 @@
 //! The environment's map in device memory.
 //!
-//! In: the environment of a scene. Out: what shaders/include/environment.glsl reads.
+//! In: the environment of a scene. Out: what shaders/include/environment.glsl reads: the map, and the same without its suns.
 
 use std::sync::Arc;
 
@@ -17,9 +17,11 @@ const LARGEST: f32 = 65_408.0;
 pub struct EnvironmentTexture {
     /// One white texel where there is no map.
     image: Image,
+    /// The map without its suns, where it has any.
+    sky: Option<Image>,
     /// Repeats to the sides, ends at the poles.
     sampler: Sampler,
-    /// The cumulative distribution of the map's luminance, rows first, and its integral in units of texels; a single 0 without a map.
+    /// The cumulative distribution of the sky's luminance, rows first, and its integral in units of texels; a single 0 without a map.
     distribution: Buffer,
     map: Option<Arc<EnvironmentMap>>,
     /// Texels hold radiance over this power of two.
@@ -33,16 +35,21 @@ impl EnvironmentTexture {
         let (width, height, texels) = map.as_ref().map_or((1, 1, &[Vec3::ONE][..]), |map| map.texels());
         let brightest = texels.iter().map(|texel| texel.max_element()).fold(0.0, f32::max);
         let scale = (brightest / LARGEST).max(f32::MIN_POSITIVE).log2().ceil().max(0.0).exp2();
-        let packed: Vec<u32> = texels.iter().map(|&texel| pack(texel / scale)).collect();
-        let level = (width as u32, height as u32, bytemuck::cast_slice(&packed).to_vec());
-        let format = vk::Format::E5B9G9R9_UFLOAT_PACK32;
-        let mut distribution = map.as_ref().map_or_else(|| vec![0.0], |map| map.distribution());
+        let upload = |name, texels: &[Vec3]| {
+            let packed: Vec<u32> = texels.iter().map(|&texel| pack(texel / scale)).collect();
+            let level = (width as u32, height as u32, bytemuck::cast_slice(&packed).to_vec());
+            Image::with_levels(device, name, vk::Format::E5B9G9R9_UFLOAT_PACK32, &[level])
+        };
+        let sky = map.as_ref().and_then(|map| map.sky()).map(|sky| upload("sky", sky.texels().2));
+        let sampled = map.as_ref().map(|map| map.sky().unwrap_or(map));
+        let mut distribution = sampled.map_or_else(|| vec![0.0], EnvironmentMap::distribution);
         if let Some(integral) = distribution.last_mut() {
             *integral /= scale;
         }
         let modes = [vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE];
         Ok(Self {
-            image: Image::with_levels(device, "environment", format, &[level])?,
+            image: upload("environment", texels)?,
+            sky: sky.transpose()?,
             sampler: Sampler::linear(device, modes)?,
             distribution: Buffer::with_data(device, "environment_distribution", &distribution)?,
             map,
@@ -51,9 +58,10 @@ impl EnvironmentTexture {
     }
 
     /// Its part of the scene set.
-    pub fn resources(&self) -> [Named<'_>; 2] {
+    pub fn resources(&self) -> [Named<'_>; 3] {
         [
             ("environment_map", (&self.image, &self.sampler).into()),
+            ("sky_map", (self.sky.as_ref().unwrap_or(&self.image), &self.sampler).into()),
             ("environment_distribution", (&self.distribution).into()),
         ]
     }

@@ -25,7 +25,7 @@ use area_lights::{AreaLights, UploadedAreaLights};
 use environment::EnvironmentTexture;
 use hit_buffers::HitBuffers;
 pub use lights::lights_of;
-use scene_buffers::SceneBuffers;
+use scene_buffers::{SceneBuffers, dark_behind};
 use structs::LightData;
 use tracer::{RayTracer, Tracer, TracerVariant};
 
@@ -104,7 +104,7 @@ impl GpuScene {
         let (materials, environment) = self.buffers.for_scene(device, scene)?;
         let thin_surfaces = bvh.thin_surfaces_of(scene);
         Ok(SceneChanges {
-            materials,
+            materials: (materials, dark_behind(scene)),
             environment,
             thin_surface_materials: self.tracer.thin_surface_materials(device, &thin_surfaces)?,
         })
@@ -170,7 +170,7 @@ impl GpuScene {
 
 /// What differs for another scene of the same geometry.
 pub struct SceneChanges {
-    materials: Buffer,
+    materials: (Buffer, Vec<bool>),
     environment: Option<EnvironmentTexture>,
     thin_surface_materials: Buffer,
 }

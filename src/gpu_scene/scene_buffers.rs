@@ -50,6 +50,8 @@ pub struct SceneBuffers {
     pub variants: Vec<usize>,
     /// Whether the back of each material does not show.
     pub single_sided: Vec<bool>,
+    /// Whether the back of each material shows and is dark, while its front emits.
+    pub dark_behind: Vec<bool>,
     /// The first triangle of each instance's mesh among those of all meshes.
     first_triangles: Vec<u32>,
     /// [`InstanceData`] of all instances.
@@ -101,6 +103,7 @@ impl SceneBuffers {
             draws,
             variants: scene.materials.iter().zip(&colours).map(|(m, colour)| variant(m, *colour)).collect(),
             single_sided: scene.materials.iter().map(|material| !material.double_sided).collect(),
+            dark_behind: dark_behind(scene),
             mean_colours: colours,
             first_triangles: scene.instances.iter().map(|instance| first_triangles[instance.mesh]).collect(),
             instances: Mirror::new(device, "instances", scene.instances.len() * size_of::<InstanceData>())?,
@@ -126,22 +129,27 @@ impl SceneBuffers {
     }
 
     /// Replaces the materials and the environment. No frame is in flight.
-    pub fn replace(&mut self, materials: Buffer, environment: Option<EnvironmentTexture>) {
-        self.materials = materials;
+    pub fn replace(
+        &mut self,
+        (materials, dark_behind): (Buffer, Vec<bool>),
+        environment: Option<EnvironmentTexture>,
+    ) {
+        (self.materials, self.dark_behind) = (materials, dark_behind);
         if let Some(environment) = environment {
             self.environment = environment;
         }
     }
 
     /// Its part of the scene set.
-    pub fn resources(&self) -> [Named<'_>; 6] {
-        let [map, distribution] = self.environment.resources();
+    pub fn resources(&self) -> [Named<'_>; 7] {
+        let [map, sky, distribution] = self.environment.resources();
         [
             ("materials", (&self.materials).into()),
             ("vertices", (&self.vertices).into()),
             ("second_uvs", (&self.second_uvs).into()),
             ("vertex_colours", (&self.colours).into()),
             map,
+            sky,
             distribution,
         ]
     }
@@ -248,6 +256,12 @@ fn vertex_colours(scene: &Scene) -> Vec<Option<Vec3>> {
         }
     }
     sums.into_iter().map(|(sum, count)| (count > 0).then(|| sum / count as f32)).collect()
+}
+
+/// [`SceneBuffers::dark_behind`].
+pub(super) fn dark_behind(scene: &Scene) -> Vec<bool> {
+    let is_dark = |m: &Material| m.double_sided && m.is_emissive() && !m.emits_on_both_sides;
+    scene.materials.iter().map(is_dark).collect()
 }
 
 /// What of the G-buffer's shader a material needs: see [`variants`](SceneBuffers::variants).

@@ -39,11 +39,9 @@ impl CombineInputs<'_> {
     /// Binds everything that shaders/include/radiance.glsl names.
     pub(super) fn bind_radiance<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
         // Without thin surfaces images of the same formats are bound, and not read.
-        let [light, albedo, transmittance] = match self.thin_surfaces {
-            Some(thin_surfaces) => {
-                [&thin_surfaces.light, &thin_surfaces.albedo, &thin_surfaces.transmittance]
-            }
-            None => [self.direct, self.albedo, self.albedo],
+        let [light, albedo, transmittance, mirrored] = match self.thin_surfaces {
+            Some(thin) => [&thin.light, &thin.albedo, &thin.transmittance, &thin.mirrored],
+            None => [self.direct, self.albedo, self.albedo, self.albedo],
         };
         let reflection = self.reflection.unwrap_or(self.albedo);
         pass.read("frame_uniforms", self.frame)
@@ -54,6 +52,7 @@ impl CombineInputs<'_> {
             .read("thin_light", light)
             .read("thin_albedo", albedo)
             .read("thin_transmittance", transmittance)
+            .read("thin_mirrored", mirrored)
     }
 }
 

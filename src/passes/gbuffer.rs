@@ -34,6 +34,10 @@ const ATTRIBUTES: [(vk::Format, u32); 4] = [
     (vk::Format::R32_UINT, offset_of!(Vertex, tangent) as u32),
 ];
 
+/// Bias of the depth, which is reversed, of backs that are dark behind fronts that emit, by its slope: where both meet at a silhouette,
+/// raster rounds places, and a back that is met first would flash black.
+const BEHIND: f32 = -1.0;
+
 /// What the pass writes.
 pub struct GBuffer {
     /// View depth, 0 where no surface is.
@@ -172,13 +176,24 @@ impl GBufferPass {
                 }
                 let flags = flags(&instances[draw.instance as usize]);
                 // Mirroring swaps the windings but not the sides.
-                list.cull(match (buffers.single_sided[draw.material as usize], flags & FLIPS_WINDING) {
-                    (false, _) => vk::CullModeFlags::NONE,
-                    (true, 0) => vk::CullModeFlags::BACK,
-                    (true, _) => vk::CullModeFlags::FRONT,
-                });
+                let mut sides = [vk::CullModeFlags::BACK, vk::CullModeFlags::FRONT];
+                if flags & FLIPS_WINDING != 0 {
+                    sides.reverse();
+                }
+                let [backs, fronts] = sides;
+                let material = draw.material as usize;
+                let draws: &[(vk::CullModeFlags, f32)] =
+                    match (buffers.single_sided[material], buffers.dark_behind[material]) {
+                        (true, _) => &[(backs, 0.0)],
+                        (_, true) => &[(backs, 0.0), (fronts, BEHIND)],
+                        _ => &[(vk::CullModeFlags::NONE, 0.0)],
+                    };
                 let push = Push { instance: draw.instance, material: draw.material, flags };
-                list.draw(&push, draw.first, draw.count);
+                for &(culled, bias) in draws {
+                    list.cull(culled);
+                    list.depth_bias(bias);
+                    list.draw(&push, draw.first, draw.count);
+                }
             }
         })?;
         Ok(&self.targets)

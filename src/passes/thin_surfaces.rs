@@ -13,7 +13,7 @@ use super::storage_image;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// What is seen of thin surfaces. 24 bytes a pixel.
+/// What is seen of thin surfaces. 32 bytes a pixel.
 pub struct ThinSurfaceImages {
     /// Radiance that does not depend on the irradiance behind: emission, light of punctual lights; RGBA16F.
     pub light: Image,
@@ -21,6 +21,8 @@ pub struct ThinSurfaceImages {
     pub albedo: Image,
     /// What they let pass of the light behind; RGBA16F.
     pub transmittance: Image,
+    /// What the first one makes of what reflection rays bring; RGBA16F.
+    pub mirrored: Image,
 }
 
 impl ThinSurfaceImages {
@@ -30,6 +32,7 @@ impl ThinSurfaceImages {
             light: image("thin_light", vk::Format::R16G16B16A16_SFLOAT)?,
             albedo: image("thin_albedo", vk::Format::R16G16B16A16_SFLOAT)?,
             transmittance: image("thin_transmittance", vk::Format::R16G16B16A16_SFLOAT)?,
+            mirrored: image("thin_mirrored", vk::Format::R16G16B16A16_SFLOAT)?,
         })
     }
 }
@@ -71,7 +74,7 @@ impl ThinSurfacesPass {
         inputs: &FrameInputs<'_>,
         ambient: Vec3,
     ) -> Result<(), VulkanError> {
-        let ThinSurfaceImages { light, albedo, transmittance } = &self.images;
+        let ThinSurfaceImages { light, albedo, transmittance, mirrored } = &self.images;
         let (extent, camera) = (light.extent(), &inputs.pose.camera);
         let spread = 2.0 * (camera.vertical_fov * 0.5).tan() / extent[1] as f32;
         inputs
@@ -79,6 +82,7 @@ impl ThinSurfacesPass {
             .write("thin_light", light)
             .write("thin_albedo", albedo)
             .write("thin_transmittance", transmittance)
+            .write("thin_mirrored", mirrored)
             .push(&ThinSurfacesPush { ambient, spread, near: camera.near, far: camera.far })
             .dispatch_over(extent)
     }

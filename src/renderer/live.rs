@@ -21,7 +21,7 @@ impl Renderer {
     /// # Errors
     /// Where the device does not support them; the renderer then goes on with the old ones.
     pub fn set_settings(&mut self, settings: &Settings, pose: &Pose) -> Result<(), RenderError> {
-        let pose = &*pose.about(self.anchor);
+        let pose = &*Pose::with_suns(pose.about(self.anchor));
         let given = settings.clone();
         let settings = &resolved(&given, pose);
         let device = Arc::clone(&self.device);
@@ -115,7 +115,7 @@ impl Renderer {
         self.gpu_scene.apply(changes);
         self.scene = Arc::clone(scene);
         self.clock.disturb();
-        let pose = &*pose.about(self.anchor);
+        let pose = &*Pose::with_suns(pose.about(self.anchor));
         self.bvh.update(&pose.instances);
         self.estimator.change_scene(World { scene, pose, bvh: &self.bvh });
         Ok(())

@@ -23,6 +23,8 @@ struct Light {
     irradiance: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
     specular_albedo: Vec<[f32; 4]>,
+    /// What of radiance that is mirrored comes from a thin surface before the pixel.
+    thin_mirrored: Vec<[f32; 4]>,
 }
 
 /// What thin surfaces add to the light of each pixel, and let pass of it.
@@ -30,11 +32,12 @@ struct ThinSurfaceLight {
     light: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
     transmittance: Vec<[f32; 4]>,
+    mirrored: Vec<[f32; 4]>,
 }
 
 impl Light {
     /// As it is seen through thin surfaces. Roughness, the alpha of the albedo, stays that of the surface.
-    fn behind(self, thin_surfaces: &ThinSurfaceLight) -> Self {
+    fn behind(self, thin_surfaces: ThinSurfaceLight) -> Self {
         let passed = |light: Vec<[f32; 4]>, added: Option<&Vec<[f32; 4]>>| {
             let pass = |(pixel, mut light): (usize, [f32; 4])| {
                 for channel in 0..3 {
@@ -51,17 +54,21 @@ impl Light {
             specular_albedo: passed(self.specular_albedo, None),
             mirrored: self.mirrored,
             irradiance: self.irradiance,
+            thin_mirrored: thin_surfaces.mirrored,
         }
     }
 
     /// Radiance that the GGX lobe of each pixel reflects to the eye, without that of punctual lights. Twin: `radiance_at` in shaders/include/radiance.glsl.
     fn reflected(&self) -> Vec<[f32; 4]> {
-        let pixels = self.specular_albedo.iter().zip(&self.irradiance).zip(&self.mirrored);
-        let of = |((albedo, e), mirrored): ((&[f32; 4], &[f32; 4]), &[f32; 4])| {
+        let of = |pixel: usize| {
+            let (albedo, thin) = (self.specular_albedo[pixel], self.thin_mirrored[pixel]);
+            let (e, mirrored) = (self.irradiance[pixel], self.mirrored[pixel]);
             let share = mirrored[3];
-            std::array::from_fn(|i| albedo[i] * ((1.0 - share) * e[i] / PI + share * mirrored[i]))
+            std::array::from_fn(|i| {
+                albedo[i] * (1.0 - share) * e[i] / PI + (albedo[i] * share + thin[i]) * mirrored[i]
+            })
         };
-        pixels.map(of).collect()
+        (0..self.mirrored.len()).map(of).collect()
     }
 }
 
@@ -96,6 +103,7 @@ impl Renderer {
         let albedo = self.read_halves(&self.passes.gbuffer.output().albedo, 4)?;
         let light = Light {
             mirrored: self.read_mirrored(&albedo)?,
+            thin_mirrored: vec![[0.0; 4]; albedo.len()],
             direct: self.read_halves(self.passes.direct.shading.output(), 4)?,
             irradiance: self.read_halves(self.irradiance(), 4)?,
             albedo,
@@ -105,10 +113,11 @@ impl Renderer {
         else {
             return Ok(light);
         };
-        Ok(light.behind(&ThinSurfaceLight {
+        Ok(light.behind(ThinSurfaceLight {
             light: self.read_halves(&thin_surfaces.light, 4)?,
             albedo: self.read_halves(&thin_surfaces.albedo, 4)?,
             transmittance: self.read_halves(&thin_surfaces.transmittance, 4)?,
+            mirrored: self.read_halves(&thin_surfaces.mirrored, 4)?,
         }))
     }
 

@@ -8,6 +8,7 @@ use crate::passes::combine::{CombineInputs, CombinePass};
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::still::{SampledIrradiance, StillInputs, StillPass};
 use crate::passes::taa::TaaPass;
+use crate::passes::thin_surfaces::ThinSurfacesPass;
 use crate::vulkan::{Frame, Image};
 
 /// Direct radiance, reflection and irradiance as the rays of one frame have them.
@@ -37,13 +38,14 @@ pub(super) fn irradiance<'a>(estimator: &'a dyn Estimator, denoiser: &'a dyn Den
 /// so in a still frame an estimator that can lights all hits.
 pub(super) fn record_reflections(
     frame: &mut Frame<'_>,
-    reflections: &mut Reflections,
+    (reflections, thin_surfaces): (&mut Reflections, Option<&ThinSurfacesPass>),
     (estimator, method): (&mut dyn Estimator, &Method),
     denoiser: &dyn Denoiser,
     inputs: &FrameInputs<'_>,
 ) -> Result<(), RenderError> {
     let sees_screen = inputs.clock.averaged().is_none() || !method.lights_hits;
-    reflections.trace(frame, inputs, (irradiance(estimator, denoiser), sees_screen))?;
+    let irradiance = (irradiance(estimator, denoiser), sees_screen);
+    reflections.trace(frame, inputs, irradiance, thin_surfaces.map(ThinSurfacesPass::output))?;
     let [place, weight] = reflections.hits();
     estimator.light_hits(frame, inputs, &Hits { place, weight, reflection: reflections.noisy() })?;
     Ok(reflections.denoise(frame, inputs)?)

@@ -4,11 +4,12 @@
 //! density. The map's middle lies towards -z, its right half towards +x, its top row at +y; a rotation turns it about +y.
 
 use std::f32::consts::{PI, TAU};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{Quat, Vec2, Vec3};
 
 use super::light::luminance;
+use super::suns::Separated;
 use crate::sampling;
 
 /// An environment.
@@ -39,6 +40,8 @@ pub struct EnvironmentMap {
     integral: f32,
     /// Average over all directions.
     mean: Vec3,
+    /// What [`Self::separated`] has found.
+    separated: OnceLock<Option<Separated>>,
 }
 
 impl std::fmt::Debug for EnvironmentMap {
@@ -99,6 +102,11 @@ impl Environment {
         self.map.as_ref().map_or(0.0, |map| map.density(self.uv_of(direction)))
     }
 
+    /// A direction of the map as the environment is turned.
+    pub(super) fn turned(&self, direction: Vec3) -> Vec3 {
+        self.turn(1.0) * direction
+    }
+
     fn turn(&self, sign: f32) -> Quat {
         Quat::from_rotation_y(sign * self.rotation)
     }
@@ -111,7 +119,7 @@ fn uv_of(direction: Vec3) -> Vec2 {
     Vec2::new(u, direction.x.hypot(direction.z).atan2(direction.y) / PI)
 }
 
-fn direction_of(uv: Vec2) -> Vec3 {
+pub(super) fn direction_of(uv: Vec2) -> Vec3 {
     let (sin_azimuth, cos_azimuth) = (TAU * (uv.x - 0.5)).sin_cos();
     let (sin, cos) = (PI * uv.y).sin_cos();
     Vec3::new(sin * sin_azimuth, cos, -sin * cos_azimuth)
@@ -133,7 +141,16 @@ impl EnvironmentMap {
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>) -> Self {
         assert!(width > 0 && height > 0 && texels.len() == width * height);
         let (rows, columns) = (Vec::with_capacity(height + 1), Vec::with_capacity((height + 1) * width));
-        let mut map = Self { width, height, texels, rows, columns, integral: 0.0, mean: Vec3::ZERO };
+        let mut map = Self {
+            width,
+            height,
+            texels,
+            rows,
+            columns,
+            integral: 0.0,
+            mean: Vec3::ZERO,
+            separated: OnceLock::new(),
+        };
         map.mean = map.average();
         let mut row_weights = Vec::with_capacity(height + 1);
         for row in 0..=height {
@@ -148,6 +165,26 @@ impl EnvironmentMap {
         map.rows.extend(cumulative(&row_weights, total));
         map.integral = total as f32;
         map
+    }
+
+    /// Its suns and the rest, if it has any: see suns.rs. Searches for them at the first call.
+    pub(super) fn separated(&self) -> Option<&Separated> {
+        self.separated.get_or_init(|| Separated::of(self)).as_ref()
+    }
+
+    /// The map without its suns; none if it has none.
+    pub(crate) fn sky(&self) -> Option<&Self> {
+        self.separated().map(|separated| &**separated.sky())
+    }
+
+    /// A map in which no suns are to be found.
+    pub(super) fn without_suns(width: usize, height: usize, texels: Vec<Vec3>) -> Self {
+        Self { separated: OnceLock::from(None), ..Self::new(width, height, texels) }
+    }
+
+    /// Radiance averaged over all directions.
+    pub(super) fn mean(&self) -> Vec3 {
+        self.mean
     }
 
     /// Width, height, and the texels: linear, by rows from the top.

@@ -24,6 +24,7 @@ mod pose_changes;
 mod primitives;
 mod recording;
 pub(crate) mod repeats;
+mod suns;
 pub(crate) mod tangents;
 pub(crate) mod texture;
 mod texture_use;

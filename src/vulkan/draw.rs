@@ -54,12 +54,13 @@ pub struct DrawList<'p> {
 }
 
 impl DrawList<'_> {
-    /// Sets viewport and scissor to all of the targets, of `extent` texels, without culling.
+    /// Sets viewport and scissor to all of the targets, of `extent` texels, without culling and bias.
     pub(super) fn viewport(&mut self, extent: [u32; 2]) {
         let [width, height] = extent.map(|side| side as f32);
         let viewport = vk::Viewport { x: 0.0, y: 0.0, width, height, min_depth: 0.0, max_depth: 1.0 };
         let scissor = vk::Rect2D { extent: extent2d(extent), ..Default::default() };
         self.cull(vk::CullModeFlags::NONE);
+        self.depth_bias(0.0);
         // SAFETY: rendering is open; both are dynamic state of every graphics pipeline.
         unsafe {
             let raw = self.pass.recorder.device().raw();
@@ -74,6 +75,15 @@ impl DrawList<'_> {
         unsafe {
             let raw = self.pass.recorder.device().raw();
             raw.cmd_set_cull_mode(self.pass.recorder.commands(), sides);
+        }
+    }
+
+    /// In the draws that follow, adds to depth this many times what it changes by from pixel to pixel.
+    pub fn depth_bias(&mut self, slopes: f32) {
+        // SAFETY: rendering is open; this is dynamic state of every graphics pipeline.
+        unsafe {
+            let raw = self.pass.recorder.device().raw();
+            raw.cmd_set_depth_bias(self.pass.recorder.commands(), 0.0, 0.0, slopes);
         }
     }
 

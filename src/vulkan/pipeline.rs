@@ -176,6 +176,7 @@ fn create_graphics(
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(vk::PolygonMode::FILL)
         .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+        .depth_bias_enable(true)
         .line_width(1.0);
     let samples =
         vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
@@ -200,6 +201,7 @@ fn create_graphics(
         vk::DynamicState::VIEWPORT,
         vk::DynamicState::SCISSOR,
         vk::DynamicState::CULL_MODE,
+        vk::DynamicState::DEPTH_BIAS,
     ]);
     let mut rendering = vk::PipelineRenderingCreateInfo::default()
         .color_attachment_formats(description.colors)

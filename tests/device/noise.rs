@@ -173,7 +173,7 @@ fn on_device(gpu: &GpuFixture, white: bool, [frame, seed, dimension]: [u32; 3]) 
     let (mut frame, _) = frames.begin().unwrap();
     let uniforms = frame.upload(&[uniforms]).unwrap();
     let environment = EnvironmentTexture::new(&gpu.device, None).unwrap();
-    let [map, _] = environment.resources();
+    let [map, ..] = environment.resources();
     let set = frame.shared_set(vec![map, ("blue_noise", (&table).into())]).unwrap();
     frame
         .pass("noise", &pipeline)

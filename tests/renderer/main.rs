@@ -31,6 +31,7 @@ mod shadows;
 mod soft_shadows;
 mod sphere;
 mod still;
+mod suns;
 mod taa;
 mod temporal;
 mod textures;

@@ -26,7 +26,7 @@ fn computed(settings: &Settings) -> u64 {
 /// What thin surfaces add with so many lights.
 fn of_thin_surfaces(settings: &Settings, lights: u64) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
-    pixels * (24 + 4 * lights - 4 * lights.div_ceil(32))
+    pixels * (32 + 4 * lights - 4 * lights.div_ceil(32))
 }
 
 #[test]

@@ -227,3 +227,52 @@ fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
         }
     }
 }
+
+/// A pane, some of which is a metal, on the left before nothing and on the right before a mirror.
+fn pane(roughness: f32) -> Arc<Scene> {
+    let more = format!(
+        r#"
+[[models]]
+name = "pane"
+primitive = "quad"
+size = [3, 1, 2.6]
+material = {{ albedo = [0.7, 0.3, 0.1], roughness = {roughness}, metallic = 0.6 }}
+[[materials]]
+name = "pane"
+transmission = 0.5
+[[instances]]
+model = "pane"
+translation = [0, 1.3, -1.9]
+rotation = [90, 0, 0]
+{SKY}"#
+    );
+    let mut scene = (*stage("albedo = [0.8, 0.8, 0.8], roughness = 0, metallic = 1", &more)).clone();
+    scene.instances[0].transform.translation.x += 6.3;
+    Arc::new(scene)
+}
+
+#[test]
+fn panes_reflect_what_is_in_front_of_them() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    for roughness in [0.0, 0.3, 0.6] {
+        let scene = pane(roughness);
+        let settings = Settings {
+            size: SIZE,
+            direct: Direct::Hard,
+            antialiasing: Antialiasing::None,
+            still_frames: 256,
+            ..Settings::default()
+        };
+        let drawn = gpu.rendered(&scene, &settings, 330).read_picture(true).unwrap().colour;
+        let reference = reference(&scene, SIZE, settings.bounces, 1024).colour;
+        for (what, columns) in [("nothing", 30..48), ("a mirror", 53..62)] {
+            let of = |picture: &[[f32; 3]]| {
+                let place = |at: &usize| columns.contains(&(at % 96)) && (18..30).contains(&(at / 96));
+                mean((0..picture.len()).filter(place).map(|at| luminance(&picture[at])))
+            };
+            let ratio = of(&drawn) / of(&reference);
+            eprintln!("roughness {roughness} before {what}: {} of {}", ratio, of(&reference));
+            assert!((ratio - 1.0).abs() < 0.03, "roughness {roughness} before {what}: {ratio}");
+        }
+    }
+}

@@ -1,12 +1,15 @@
 //! Reprojection: nothing darkens where the camera sees something new, and moving objects keep their light.
 
-use glam::{Affine3A, Vec3};
-use glowworm::scene::{Camera, Pose};
+use std::sync::Arc;
+
+use glam::{Affine3A, Quat, Vec3};
+use glowworm::scene::{Camera, Pose, Scene};
 use glowworm::settings::{MissingSets, Settings, VplSettings};
 
 use super::still::frozen;
 use super::support::{
-    GpuFixture, channel, indirect, layer, luminance, mean, plain, relative_differences, scene, set_counts,
+    GpuFixture, assets, channel, indirect, layer, luminance, mean, named_scene, plain, relative_differences,
+    scene, set_counts,
 };
 
 const HALL: &str = r#"
@@ -245,4 +248,51 @@ fn pixels_know_where_their_surface_was() {
     let still = renderer.read_picture(true).unwrap();
     let motion = &still.layers.iter().find(|layer| layer.name == "motion").unwrap().channels;
     assert!(motion.iter().all(|(_, values)| values.iter().all(|value| *value == 0.0)));
+}
+
+/// Pixels within `EDGE` of the side that a turning camera brings in that no draw has lit though they become lit, and
+/// those that there are.
+fn black_at_the_edge(gpu: &GpuFixture, scene: &Arc<Scene>) -> [usize; 2] {
+    const EDGE: usize = 8;
+    const SIDE: usize = 128;
+    let mut pose = scene.pose(0.0);
+    let settings = Settings { size: [SIDE as u32; 2], still_frames: 0, ..Settings::default() };
+    let mut renderer = gpu.renderer(scene, &settings, &pose);
+    let [mut black, mut all] = [0; 2];
+    for _ in 0..2 * SETS {
+        renderer.render(&pose).unwrap();
+    }
+    for _ in 0..4 {
+        for _ in 0..4 {
+            let towards = Quat::from_axis_angle(pose.camera.up, 1f32.to_radians());
+            pose.camera.target = pose.camera.eye + towards * (pose.camera.target - pose.camera.eye);
+            renderer.render(&pose).unwrap();
+        }
+        let now = indirect(&renderer);
+        for _ in 0..2 * SETS {
+            renderer.render(&pose).unwrap();
+        }
+        let later = indirect(&renderer);
+        let usual = mean(later.iter().map(luminance));
+        for at in (0..now.len()).filter(|at| at % SIDE < EDGE) {
+            let [now, later] = [&now, &later].map(|picture| luminance(&picture[at]));
+            let is_lit = later > 0.05 * usual;
+            black += usize::from(is_lit && now == 0.0);
+            all += usize::from(is_lit);
+        }
+    }
+    [black, all]
+}
+
+#[test]
+fn what_a_turning_camera_brings_in_is_not_black() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let assets = assets();
+    let named = |name| assets.as_ref().map(|assets| named_scene(name, Some(assets)));
+    let scenes = [Some(scene(HALL)), named("classroom"), named("living-room"), named("cornell-box")];
+    for scene in scenes.into_iter().flatten() {
+        let [black, all] = black_at_the_edge(&gpu, &scene);
+        eprintln!("{}: {black} of {all} pixels are black", scene.name);
+        assert!(all > 1000 && black * 1000 < all, "{}: {black} of {all} pixels are black", scene.name);
+    }
 }

@@ -1,9 +1,10 @@
 //! Features as thin as pixels get their share of the indirect light.
 
-use glowworm::settings::{Settings, VplSettings};
+use glam::Quat;
+use glowworm::settings::{Indirect, Settings, VplSettings};
 
 use super::rooms::thin_features;
-use super::support::{GpuFixture, indirect, luminance, plain};
+use super::support::{GpuFixture, indirect, luminance, plain, scene};
 
 const SIZE: [u32; 2] = [320, 180];
 
@@ -44,4 +45,34 @@ fn interleaving_leaves_no_pixel_in_the_dark() {
     let same = Settings { vpl, ..plain() };
     let Some(share) = dark_share(same) else { return };
     assert!(share < 0.003, "{share} of the pixels have less than a quarter of what their VPLs send");
+}
+
+/// A back is dark, and never seen of a closed mesh.
+#[test]
+fn closed_emitters_show_no_dark_backs() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let ball = |subdivisions: u32, place: [f32; 3]| {
+        format!(
+            "[[models]]\nname = \"ball {subdivisions}\"\nprimitive = \"sphere\"\nsize = [1, 1, 1]\nsubdivisions = {subdivisions}\n\
+             material = {{ albedo = [0, 0, 0], emission = [2, 2, 2] }}\n[[instances]]\nmodel = \"ball {subdivisions}\"\n\
+             translation = {place:?}\n"
+        )
+    };
+    let scene = scene(&format!(
+        "background = [0.5, 0.5, 0.5]\n{}{}{}[camera]\neye = [0, 0.5, 5]\ntarget = [0, 0, 0]\nvfov_deg = 40\n",
+        ball(6, [0.0; 3]),
+        ball(2, [1.5, 0.3, 0.0]),
+        ball(5, [-3.0, 0.3, -3.0])
+    ));
+    let mut pose = scene.pose(0.0);
+    let settings = Settings { size: [160, 128], indirect: Indirect::NONE, ..plain() };
+    let mut renderer = gpu.renderer(&scene, &settings, &pose);
+    let mut dark = 0;
+    for _ in 0..48 {
+        pose.camera.eye = Quat::from_rotation_y(0.02) * pose.camera.eye;
+        renderer.render(&pose).unwrap();
+        let picture = renderer.read_picture(false).unwrap();
+        dark += picture.colour.iter().filter(|pixel| luminance(pixel) < 0.4).count();
+    }
+    assert_eq!(dark, 0, "pixels of backs");
 }

@@ -78,11 +78,13 @@ struct Scattered {
     vec3 weight;   // BSDF times cosine over density; 0: nothing is reflected
     float density; // 1/sr; 0: no light sampling finds this direction
     float spread;  // what it widens a ray cone by
+    bool mirrors;  // of a perfect mirror, to which lights send nothing
 };
 
 Scattered sample_bsdf(ShadingPoint at, float pick, vec2 u) {
     float share = reflected_share(at);
     Scattered result;
+    result.mirrors = false;
     if (pick < share) {
         Sampled sampled = sample_reflected(at.reflection, u);
         result.direction = sampled.direction;
@@ -90,6 +92,7 @@ Scattered sample_bsdf(ShadingPoint at, float pick, vec2 u) {
         if (sampled.density < 0.0) {
             result.weight = fresnel(at.reflection, dot(at.reflection.normal, sampled.direction)) / share;
             result.density = 0.0;
+            result.mirrors = true;
             return result;
         }
     } else {
@@ -111,7 +114,7 @@ vec3 light_of_sample(ShadingPoint at, PathLight chosen, vec2 u, inout uint rays)
     LightSample light;
     if (chosen.index == environment_light()) {
         light.to_light = sample_environment(u, light.density);
-        light.irradiance = light.density > 0.0 ? environment_radiance(light.to_light) / light.density : vec3(0.0);
+        light.irradiance = light.density > 0.0 ? environment_radiance(light.to_light, false) / light.density : vec3(0.0);
         light.reach = FAR;
     } else {
         light = sample_light(chosen.index, at, origin, u);
@@ -187,7 +190,7 @@ vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uin
                 float density = environment_density(scattered.direction);
                 share = share_of_scattered(at, chosen, environment_light(), density, scattered);
             }
-            radiance += throughput * share * environment_radiance(scattered.direction);
+            radiance += throughput * share * environment_radiance(scattered.direction, scattered.mirrors);
             break;
         }
         HitSurface found = surface_of(hit, scattered.direction, cone);

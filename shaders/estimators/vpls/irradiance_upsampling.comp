@@ -61,7 +61,10 @@ bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
     return weights > 0.0;
 }
 
-// The irradiance of the neighbours that are most like the pixel in position and normal: a disoccluded pixel is wrong, not black.
+// Sets that may be black by chance.
+const float FEW_SETS = 4.0;
+
+// The irradiance of the lit neighbours that are most like the pixel in position and normal: a disoccluded pixel is wrong, not black.
 vec4 from_neighbours(ivec2 pixel, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
     float footprint = surface.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
@@ -71,7 +74,7 @@ vec4 from_neighbours(ivec2 pixel, Surface surface) {
         ivec2 texel = clamp(pixel / 2 + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
         vec4 coarse = imageLoad(coarse_irradiance, texel);
         Surface other = surface_at(2 * texel);
-        if (other.depth <= 0.0 || coarse.a <= 0.0) continue;
+        if (other.depth <= 0.0 || coarse.a <= 0.0 || coarse.rgb == vec3(0.0)) continue;
         vec3 d = (other.position - surface.position) / footprint;
         float weight = (max(dot(other.shading, surface.shading), 0.0) + 0.05) / (1.0 + dot(d, d));
         sum += weight * coarse;
@@ -89,7 +92,8 @@ void main() {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         float variance;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
-        if (sum.a <= 0.0 && sets.set_step == 2u) sum = from_neighbours(pixel, surface);
     }
+    bool is_black = surface.depth > 0.0 && sum.a < FEW_SETS && sum.rgb == vec3(0.0);
+    if (is_black && sets.set_step == 2u) sum = from_neighbours(pixel, surface);
     imageStore(irradiance, pixel, storable(sum));
 }
