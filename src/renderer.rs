@@ -161,7 +161,7 @@ impl Renderer {
             unjittered: None,
             pending: VecDeque::new(),
             reports: Vec::new(),
-            clock: Clock::default(),
+            clock: Clock::new(pose),
             still: 0,
             redraws: false,
             frames_before: 0,

@@ -146,15 +146,12 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     }
     device::note_slow(&device);
     let assets = options.run.files.assets_folder();
-    let mut replay = preparing(|| Replay::new(&device, &scene, &settings, assets))?;
-    if let Some(time) = options.time {
-        if recorded.is_some() {
-            return Err(CliError::Usage(
-                "--time: a recording has a time of its own; leave it out".to_owned(),
-            ));
-        }
-        replay.end_at(time, frames);
+    if options.time.is_some() && recorded.is_some() {
+        return Err(CliError::Usage("--time: a recording has a time of its own; leave it out".to_owned()));
     }
+    let lead = frames.saturating_sub(1) as f64 * settings.time_step;
+    let start = options.time.map_or(0.0, |time| time - lead);
+    let mut replay = preparing(|| Replay::new(&device, &scene, &settings, assets, start))?;
     let load = LoadTimes { load_ms, bvh_ms: replay.renderer().bvh_ms() };
     replay.renderer().set_view(&options.view.debug_view())?;
     let (reports, extreme) = render_frames(&mut replay, frames, &target, settings.exposure)?;

@@ -53,6 +53,11 @@ pub struct FrameClock {
 }
 
 impl Clock {
+    /// The clock of a renderer that was made for this pose: a first frame that shows another one shows a change.
+    pub fn new(pose: &Pose) -> Self {
+        Self { last: Some(pose.clone()), ..Self::default() }
+    }
+
     /// Number of the next frame.
     pub fn frame(&self) -> u64 {
         self.frame

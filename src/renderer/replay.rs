@@ -26,14 +26,15 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Starts at frame 0.
+    /// Starts at frame 0, at the animation time `start`, seconds; before 0 nothing moves.
     pub fn new(
         device: &Arc<Device>,
         scene: &Arc<Scene>,
         settings: &Settings,
         assets: Option<PathBuf>,
+        start: f64,
     ) -> Result<Self, RenderError> {
-        let pose = scene.pose(0.0);
+        let pose = scene.pose(start.max(0.0));
         Ok(Self {
             renderer: Renderer::new(device, scene, settings, &pose)?,
             scene: Arc::clone(scene),
@@ -41,16 +42,11 @@ impl Replay {
             pose,
             recording: Arc::clone(&scene.recording),
             frame: 0,
-            start: 0.0,
+            start,
             assets,
             read: ReadFiles::default(),
             device: Arc::clone(device),
         })
-    }
-
-    /// Has the last of `frames` frames at this animation time, seconds; before 0 nothing moves.
-    pub fn end_at(&mut self, time: f64, frames: u64) {
-        self.start = time - frames.saturating_sub(1) as f64 * self.settings.time_step;
     }
 
     /// Draws the next frame.

@@ -67,7 +67,7 @@ impl Reprojection {
         let motion = image("motion", vk::Format::R16G16_SFLOAT, bytemuck::cast_slice(&motions));
         let (mut frame, _) = self.bench.frames.begin().unwrap();
         let environment = EnvironmentTexture::new(&self.gpu.device, None).unwrap();
-        let [map, _] = environment.resources();
+        let [map, ..] = environment.resources();
         let scene = frame.shared_set(vec![map, ("instances", (&self.instances).into())]).unwrap();
         let inputs = ReprojectionInputs {
             uniforms: &frame.upload(&[uniforms()]).unwrap(),

@@ -59,7 +59,7 @@ pub(super) fn check_stillness(scene: &Arc<Scene>, settings: &Settings) {
     assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite() && *channel >= 0.0));
     // After motion, for numbers of frames that no round divides, with exposure on its way.
     for frames in [1, 7] {
-        let mut renderer = gpu.renderer(scene, settings, &rest);
+        let mut renderer = gpu.renderer(scene, settings, &moved(&rest, frames + 3));
         for frame in 0..frames {
             renderer.set_exposure_pace(0.1);
             renderer.render(&moved(&rest, frame)).unwrap();
@@ -209,4 +209,31 @@ fn a_light_with_few_paths_lights_all_pixels_alike() {
     eprintln!("{means:?}");
     let all = means.iter().sum::<f32>() / 4.0;
     assert!(all > 0.0 && means.iter().all(|mean| (mean / all - 1.0).abs() < 0.15), "{means:?}");
+}
+
+#[test]
+fn nor_on_the_time_at_which_an_animation_pauses() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = named_scene("playroom", None);
+    let vpl = VplSettings { slots: 64, temporal_sets: 4, ..VplSettings::default() };
+    let settings = Settings { size: [48, 30], still_frames: 8, vpl, ..Settings::default() };
+    let at = |frame: u32| {
+        let mut pose = scene.pose(f64::from(frame) / 30.0);
+        let step = Vec3::new(0.011, 0.003, -0.001) * frame as f32;
+        (pose.camera.eye, pose.camera.target) = (pose.camera.eye + step, pose.camera.target + step);
+        pose
+    };
+    let paused = at(30);
+    let expected = frozen(&mut gpu.renderer(&scene, &settings, &paused), &paused);
+    // Made for another pose.
+    assert!(frozen(&mut gpu.renderer(&scene, &settings, &at(0)), &paused) == expected, "from the start");
+    let mut renderer = gpu.renderer(&scene, &settings, &at(0));
+    (0..30).for_each(|frame| renderer.render(&at(frame)).unwrap());
+    assert!(frozen(&mut renderer, &paused) == expected);
+    // The window renders fewer pixels while anything moves.
+    renderer.set_settings(&Settings { size: [24, 15], ..settings.clone() }, &paused).unwrap();
+    (0..9).for_each(|frame| renderer.render(&at(frame)).unwrap());
+    renderer.render(&paused).unwrap();
+    renderer.set_settings(&settings, &paused).unwrap();
+    assert!(frozen(&mut renderer, &paused) == expected, "after another size");
 }
