@@ -67,8 +67,8 @@ impl Reprojection {
         let motion = image("motion", vk::Format::R16G16_SFLOAT, bytemuck::cast_slice(&motions));
         let (mut frame, _) = self.bench.frames.begin().unwrap();
         let environment = EnvironmentTexture::new(&self.gpu.device, None).unwrap();
-        let [map, _] = environment.resources();
-        let scene = frame.shared_set(vec![map, ("instances", (&self.instances).into())]).unwrap();
+        let [map, sky, _] = environment.resources();
+        let scene = frame.shared_set(vec![map, sky, ("instances", (&self.instances).into())]).unwrap();
         let inputs = ReprojectionInputs {
             uniforms: &frame.upload(&[uniforms()]).unwrap(),
             scene: &scene,

@@ -173,8 +173,8 @@ fn on_device(gpu: &GpuFixture, white: bool, [frame, seed, dimension]: [u32; 3]) 
     let (mut frame, _) = frames.begin().unwrap();
     let uniforms = frame.upload(&[uniforms]).unwrap();
     let environment = EnvironmentTexture::new(&gpu.device, None).unwrap();
-    let [map, _] = environment.resources();
-    let set = frame.shared_set(vec![map, ("blue_noise", (&table).into())]).unwrap();
+    let [map, sky, _] = environment.resources();
+    let set = frame.shared_set(vec![map, sky, ("blue_noise", (&table).into())]).unwrap();
     frame
         .pass("noise", &pipeline)
         .shared(&set)
