@@ -23,6 +23,7 @@ pub use prepared::PreparedScene;
 pub use replay::Replay;
 
 use std::any::Any;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
@@ -180,11 +181,7 @@ impl Renderer {
     /// # Errors
     /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
-        let lit = Pose::with_suns(pose.about(self.anchor));
-        if resolved(&self.settings, &lit) != self.resolved {
-            self.set_settings(&self.settings.clone(), pose)?;
-        }
-        let pose = &*lit;
+        let pose = &*self.lit(pose)?;
         let clock = self.clock.next(pose, &self.clock_inputs());
         self.still = clock.still_frames();
         if !std::mem::take(&mut self.redraws) && clock.is_frozen() {
@@ -232,9 +229,9 @@ impl Renderer {
         let (estimator, denoiser) = (&mut *self.estimator, &mut *self.indirect_denoiser);
         record_indirect(&mut frame, estimator, denoiser, inputs)?;
         if let Some(reflections) = &mut self.passes.reflections {
-            let (method, thin) =
-                (estimators::method(&self.settings), self.passes.direct.thin_surfaces.as_ref());
-            record_reflections(&mut frame, (reflections, thin), (estimator, method), denoiser, inputs)?;
+            let method = estimators::method(&self.settings);
+            let reflections = (reflections, self.passes.direct.thin_surfaces.as_ref());
+            record_reflections(&mut frame, reflections, (estimator, method), denoiser, inputs)?;
         }
 
         // Join all light, smooth edges, and tone map.
@@ -275,6 +272,15 @@ impl Renderer {
         (self.uniforms, self.unjittered) = (Some(*uniforms), Some(unjittered[0]));
         self.pending.push_back(pending);
         Ok(())
+    }
+
+    /// A pose about the anchor, with its suns as lights, once the choices are made anew that the settings leave to the lights.
+    fn lit<'a>(&mut self, pose: &'a Pose) -> Result<Cow<'a, Pose>, RenderError> {
+        let lit = Pose::with_suns(pose.about(self.anchor));
+        if resolved(&self.settings, &lit) != self.resolved {
+            self.set_settings(&self.settings.clone(), pose)?;
+        }
+        Ok(lit)
     }
 
     /// The frame's work on the CPU, while the device draws the frame before.
