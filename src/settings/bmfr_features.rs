@@ -77,7 +77,7 @@ fn code_of(name: &str) -> Option<u16> {
         if factors == MOST_FACTORS {
             return None;
         }
-        code |= (place as u16 + 1 | root) << (BITS * factors);
+        code |= ((place as u16 + 1) | root) << (BITS * factors);
         factors += 1;
     }
     Some(code)

@@ -33,7 +33,7 @@ pub(crate) use options::parser_of;
 pub(crate) use registered::Registry;
 pub(crate) use setting::{Group, Setting};
 pub(crate) use table::flat;
-pub(crate) use value::{Kind, read_seconds, text_of};
+pub(crate) use value::{Kind, read_seconds};
 
 use setting::settings;
 use value::{choice, choices, number, whole};

@@ -243,7 +243,7 @@ pub(super) fn text_of_seconds(seconds: f64) -> String {
 }
 
 /// A value in the syntax of the command line.
-pub(crate) fn text_of(value: &Value) -> String {
+pub(super) fn text_of(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         Value::Float(number) => number.to_string(),

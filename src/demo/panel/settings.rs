@@ -7,7 +7,7 @@ use toml::Value;
 use super::Shown;
 use crate::demo::action::Action;
 use crate::demo::resolution::{COARSEST, Resolution};
-use crate::settings::{GROUPS, Kind, MissingSets, Setting, Settings, VplSettings, text_of};
+use crate::settings::{GROUPS, Kind, MissingSets, Setting, Settings, VplSettings};
 
 /// Presets: name, tooltip, settings.
 pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
@@ -138,7 +138,7 @@ fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut Str
             // What is being typed is no list yet.
             let typed = ui.id().with(key);
             let kept = ui.data(|data| data.get_temp(typed));
-            let mut names = kept.unwrap_or_else(|| text_of(value));
+            let mut names = kept.unwrap_or_else(|| wanted.clone());
             let response = ui.text_edit_singleline(&mut names);
             if response.lost_focus() {
                 *wanted = names;
