@@ -18,12 +18,11 @@ use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders,
 const ACCUMULATE: DenoiserPass =
     denoiser_pass!("bmfr_accumulate", [[170, 130, 200]; 3]).only_for(Use::Indirect);
 const FIT: DenoiserPass = denoiser_pass!("bmfr_fit", [[130, 90, 170]; 3]).only_for(Use::Indirect);
-const ACCUMULATE_FITS: DenoiserPass =
-    denoiser_pass!("bmfr_accumulate_fits", [[190, 160, 215]; 3]).only_for(Use::Indirect);
+const FILTERED: DenoiserPass = denoiser_pass!("bmfr_filtered", [[190, 160, 215]; 3]).only_for(Use::Indirect);
 
 /// Signals other than indirect light are noisy at edges that no feature knows, those of shadows and mirror images: they get SVGF.
 pub(super) const METHOD: Method =
-    Method { passes: &[ACCUMULATE, FIT, ACCUMULATE_FITS], ..Method::new(Denoise::BMFR, make) };
+    Method { passes: &[ACCUMULATE, FIT, FILTERED], ..Method::new(Denoise::BMFR, make) };
 
 fn make(context: &DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError> {
     if context.usage != Use::Indirect {
@@ -63,7 +62,7 @@ pub struct Bmfr {
     settings: BmfrSettings,
     accumulate: ComputePipeline,
     fit: ComputePipeline,
-    accumulate_fits: ComputePipeline,
+    filter: ComputePipeline,
     /// rgb: the mean of the noisy frames; a: how many.
     noisy: History<Image>,
     fitted: Image,
@@ -111,7 +110,7 @@ impl Bmfr {
             settings: *settings,
             accumulate: accumulate("bmfr_accumulate", 0)?,
             fit: ComputePipeline::specialised(device, "bmfr_fit", shaders::BMFR_FIT_COMP, &[features])?,
-            accumulate_fits: accumulate("bmfr_accumulate_fits", 1)?,
+            filter: accumulate("bmfr_filtered", 1)?,
             noisy: History::new(|_| image("bmfr noisy"))?,
             fitted: image("bmfr fitted")?,
             output: History::new(|_| image("bmfr output"))?,
@@ -175,7 +174,7 @@ impl Denoiser for Bmfr {
         self.frame += 1;
 
         frame
-            .pass(ACCUMULATE_FITS.name(Use::Indirect), &self.accumulate_fits)
+            .pass(FILTERED.name(Use::Indirect), &self.filter)
             .read("frame_uniforms", inputs.uniforms)
             .read("signal", &self.fitted)
             .read("reprojected", inputs.reprojected)

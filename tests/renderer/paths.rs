@@ -81,7 +81,7 @@ fn check(gpu: &GpuFixture, tracer: TracerKind, name: &str, scene: &Arc<Scene>) {
     let most = quantile(errors, 0.9);
     println!("{name}: mean {ratio}, blocks within {most}");
     assert!((ratio - 1.0).abs() < 0.01, "{name}: the mean is {ratio} of the reference's");
-    assert!(most < 0.03, "{name}: one block in ten is off by more than {most}");
+    assert!(most < 0.04, "{name}: one block in ten is off by more than {most}");
 }
 
 fn check_every_light((tracer, kind): (RayTracer, TracerKind)) {

@@ -213,6 +213,10 @@ fn every_view_shows_something_of_its_own() {
     let scene = scene(&glowing());
     let mut seen: Vec<(&str, Vec<[u8; 4]>)> = Vec::new();
     for buffer in estimators::views().map(|view| view.name) {
+        // Two methods may show the same view.
+        if seen.iter().any(|(known, _)| *known == buffer) {
+            continue;
+        }
         let view = of_set(buffer, 1);
         // Those of effects, which come last, show what is in use.
         let is_effect = VIEWS.iter().any(|view| view.name == buffer);
