@@ -229,7 +229,8 @@ fn passes_are_listed_without_a_device() {
         listed.iter().filter(|line| line[1..] == [method]).map(|line| line[0]).collect::<Vec<_>>()
     };
     assert_eq!(of("vpls").len(), 12);
-    assert_eq!(of("shared").len() + of("vpls").len(), PASS_NAMES.len());
+    assert_eq!(of("paths").len(), 2);
+    assert_eq!(of("shared").len() + of("vpls").len() + of("paths").len(), PASS_NAMES.len());
     assert!(of("shared").contains(&"gbuffer") && of("shared").contains(&"taa"));
     let report = json(&run, "passes.json");
     let passes = report["passes"].as_array().unwrap();
