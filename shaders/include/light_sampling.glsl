@@ -1,5 +1,6 @@
 // One of all lights, area lights among them: chosen in proportion to about what it sends to the eye, unoccluded; then a
 // point of the light. Needs unshadowed.glsl and tracer.glsl.
+#include "choice.glsl"
 
 // A light; probability 0: none sends anything.
 struct ChosenLight {
@@ -8,30 +9,17 @@ struct ChosenLight {
     vec3 unshadowed; // what all lights send, about
 };
 
-// Weighted reservoir sampling in one pass: each light replaces the choice with the probability weight / total so far.
 ChosenLight choose_light(ShadingPoint point, float pick) {
-    ChosenLight chosen = ChosenLight(0u, 0.0, vec3(0.0));
-    float total = 0.0;
-    float chosen_weight = 0.0;
+    Choice choice = new_choice(pick);
+    vec3 all = vec3(0.0);
     // Where no surface is nothing is sampled.
     uint count = point.surface.depth > 0.0 ? sampled_lights() : 0u;
     for (uint i = 0u; i < count; i++) {
         vec3 radiance = unshadowed_radiance(i, point);
-        float weight = luminance(radiance);
-        if (!(weight > 0.0)) continue;
-        chosen.unshadowed += radiance;
-        total += weight;
-        float probability = weight / total;
-        if (pick < probability) {
-            chosen.index = i;
-            chosen_weight = weight;
-            pick /= probability;
-        } else {
-            pick = (pick - probability) / (1.0 - probability);
-        }
+        all += radiance;
+        offer(choice, i, luminance(radiance));
     }
-    chosen.probability = total > 0.0 ? chosen_weight / total : 0.0;
-    return chosen;
+    return ChosenLight(choice.kept, choice.sum > 0.0 ? choice.weight / choice.sum : 0.0, all);
 }
 
 // A point of a light.

@@ -16,17 +16,23 @@ vec2 white_noise_of(ivec2 pixel, uint frame_index, uint dimension) {
     return unit_of(pcg3d(bits ^ uvec3(frame.seed)).xy);
 }
 
+// A channel of the table, 0 to 255.
+uint blue_byte(ivec2 pixel, uvec2 place, uint frame_index, uint channel) {
+    uvec2 texel = (uvec2(pixel) + place) % NOISE_SIDE;
+    uint index = (frame_index % NOISE_FRAMES * NOISE_SIDE + texel.y) * NOISE_SIDE + texel.x;
+    return blue_noise.words[index / 2u] >> (index % 2u * 16u + channel * 8u) & 255u;
+}
+
 // Two such numbers that are blue noise over pixels and frames.
 vec2 noise_of(ivec2 pixel, uint frame_index, uint dimension) {
     vec2 white = white_noise_of(pixel, frame_index, dimension);
     if (WHITE_NOISE == 1u) return white;
-    // Each dimension and each cycle of the table looks elsewhere in it.
-    uvec2 place = pcg3d(uvec3(dimension, frame_index / NOISE_FRAMES, frame.seed)).xy >> 8u;
-    uvec2 texel = (uvec2(pixel) + place) % NOISE_SIDE;
-    uint index = (frame_index % NOISE_FRAMES * NOISE_SIDE + texel.y) * NOISE_SIDE + texel.x;
-    uint both = blue_noise.words[index / 2u] >> (index % 2u * 16u);
+    // Each dimension and each cycle of the table looks elsewhere in it, for each of the two numbers: pairs of texels of their own, so
+    // that the mean over many cycles is not one over those pairs that stand in the table.
+    uvec2 place = pcg3d(uvec3(dimension, frame_index / NOISE_FRAMES, frame.seed)).xy;
+    vec2 both = vec2(blue_byte(pixel, place >> 8u, frame_index, 0u), blue_byte(pixel, place >> 20u, frame_index, 1u));
     // White noise fills the gaps between 256 values: what is rarer would never be chosen.
-    return min((vec2(both & 255u, both >> 8u & 255u) + white) / 256.0, 1.0 - exp2(-24.0));
+    return min((both + white) / 256.0, 1.0 - exp2(-24.0));
 }
 
 // The numbers of this frame.

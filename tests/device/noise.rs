@@ -156,9 +156,13 @@ fn twin(white: bool, pixel: UVec2, frame: u32, seed: u32, dimension: u32) -> Vec
         return own;
     }
     let place = pcg3d(UVec3::new(dimension, frame / FRAMES as u32, seed));
-    let [x, y] = [pixel.x + (place.x >> 8), pixel.y + (place.y >> 8)].map(|at| at as usize % SIDE);
-    let channels = [0, 1].map(|channel| f32::from(byte(x, y, frame as usize % FRAMES, channel)));
-    (Vec2::from(channels) + own) / 256.0
+    let channel = |channel: usize| {
+        let shift = [8, 20][channel];
+        let [x, y] =
+            [pixel.x + (place.x >> shift), pixel.y + (place.y >> shift)].map(|at| at as usize % SIDE);
+        f32::from(byte(x, y, frame as usize % FRAMES, channel))
+    };
+    (Vec2::new(channel(0), channel(1)) + own) / 256.0
 }
 
 /// The shader's numbers of one frame and dimension.

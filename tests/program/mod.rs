@@ -82,7 +82,7 @@ pub fn assert_fails(output: &Output, code: i32, says: &[&str]) {
 }
 
 /// The passes and stages of `--indirect vpls`, in the order of the frame.
-pub const PASS_NAMES: [&str; 41] = [
+pub const PASS_NAMES: [&str; 39] = [
     "bvh_update",
     "vpl_invalidation",
     "vpl_replacement",
@@ -105,8 +105,6 @@ pub const PASS_NAMES: [&str; 41] = [
     "set_reprojection",
     "irradiance_upsampling",
     "hit_light",
-    "paths_trace",
-    "paths_light_hits",
     "indirect_spatial_filter",
     "indirect_svgf_temporal",
     "indirect_svgf_variance",

@@ -74,14 +74,14 @@ fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
 fn check(gpu: &GpuFixture, tracer: TracerKind, name: &str, scene: &Arc<Scene>) {
     let settings = Settings { tracer, ..noisy() };
     let drawn = gpu.mean_of_frames(scene, &settings, FRAMES, |picture| layer(picture, "indirect"));
-    let expected = layer(&reference(scene, settings.size, settings.bounces, 4096), "indirect");
+    let expected = layer(&reference(scene, settings.size, settings.bounces, 2048), "indirect");
     let ratio = mean(drawn.iter().map(luminance)) / mean(expected.iter().map(luminance));
     let errors: Vec<f32> =
         blocks(&drawn).iter().zip(blocks(&expected)).map(|(now, then)| (now / then - 1.0).abs()).collect();
     let most = quantile(errors, 0.9);
     println!("{name}: mean {ratio}, blocks within {most}");
     assert!((ratio - 1.0).abs() < 0.01, "{name}: the mean is {ratio} of the reference's");
-    assert!(most < 0.04, "{name}: one block in ten is off by more than {most}");
+    assert!(most < 0.03, "{name}: one block in ten is off by more than {most}");
 }
 
 fn check_every_light((tracer, kind): (RayTracer, TracerKind)) {

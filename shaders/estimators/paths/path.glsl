@@ -8,19 +8,12 @@ layout(constant_id = 2) const uint BOUNCES = 2u;
 // Of the random numbers of a path: direction; light and lobe; point of the light.
 const uint DIMENSIONS = 3u;
 // Blue noise for the first surface alone: further bounces scramble what it would bring.
-vec2 path_noise(ivec2 pixel, uint sequence, uint dimension, uint bounce) {
-    return bounce == 0u ? noise_of(pixel, sequence, dimension) : white_noise_of(pixel, sequence, dimension + bounce * DIMENSIONS);
+vec2 path_noise(ivec2 pixel, uint frame_index, uint dimension, uint bounce) {
+    return bounce == 0u ? noise_of(pixel, frame_index, dimension) : white_noise_of(pixel, frame_index, dimension + bounce * DIMENSIONS);
 }
 
 // What a diffuse bounce widens a ray cone by, radians: little, so that textures keep their detail where surfaces are near.
 const float DIFFUSE_SPREAD = 0.1;
-
-// A light among all; the environment comes last.
-struct PathLight {
-    uint index;
-    float probability; // 0: none sends anything
-    float total;       // luminance of what all send, about
-};
 
 // The first light whose light on the visible surface no other pass knows.
 uint first_indirect_light() { return sampled_lights(); }
@@ -33,25 +26,11 @@ float light_weight(uint index, ShadingPoint at) {
     return push.environment * luminance(at.diffuse + (at.is_glossy ? at.reflection.reflected : vec3(0.0)));
 }
 
-// Weighted reservoir sampling of the lights from `first` on.
-PathLight choose_path_light(ShadingPoint at, uint first, float pick) {
-    PathLight chosen = PathLight(0u, 0.0, 0.0);
-    float chosen_weight = 0.0;
+// One of the lights from `first` on; the environment comes last.
+Choice choose_path_light(ShadingPoint at, uint first, float pick) {
+    Choice chosen = new_choice(pick);
     uint end = environment_light() + (push.environment > 0.0 ? 1u : 0u);
-    for (uint i = first; i < end; i++) {
-        float weight = light_weight(i, at);
-        if (!(weight > 0.0)) continue;
-        chosen.total += weight;
-        float probability = weight / chosen.total;
-        if (pick < probability) {
-            chosen.index = i;
-            chosen_weight = weight;
-            pick /= probability;
-        } else {
-            pick = (pick - probability) / (1.0 - probability);
-        }
-    }
-    chosen.probability = chosen.total > 0.0 ? chosen_weight / chosen.total : 0.0;
+    for (uint i = first; i < end; i++) offer(chosen, i, light_weight(i, at));
     return chosen;
 }
 
@@ -108,23 +87,24 @@ Scattered sample_bsdf(ShadingPoint at, float pick, vec2 u) {
 }
 
 // What one light sends to where the path came from.
-vec3 light_of_sample(ShadingPoint at, PathLight chosen, vec2 u, inout uint rays) {
-    if (!(chosen.probability > 0.0)) return vec3(0.0);
+vec3 light_of_sample(ShadingPoint at, Choice chosen, vec2 u, inout uint rays) {
+    if (!(chosen.weight > 0.0)) return vec3(0.0);
+    float probability = chosen.weight / chosen.sum;
     vec3 origin = ray_origin(at.surface);
     LightSample light;
-    if (chosen.index == environment_light()) {
+    if (chosen.kept == environment_light()) {
         light.to_light = sample_environment(u, light.density);
         light.irradiance = light.density > 0.0 ? environment_radiance(light.to_light, false) / light.density : vec3(0.0);
         light.reach = FAR;
     } else {
-        light = sample_light(chosen.index, at, origin, u);
+        light = sample_light(chosen.kept, at, origin, u);
     }
     float cosine = dot(at.surface.shading, light.to_light);
     if (cosine <= 0.0 || dot(at.surface.geometric, light.to_light) <= 0.0 || light.irradiance == vec3(0.0)) return vec3(0.0);
-    vec3 radiance = bsdf_of(at, light.to_light, 1.0) * light.irradiance * (cosine / chosen.probability);
+    vec3 radiance = bsdf_of(at, light.to_light, 1.0) * light.irradiance * (cosine / probability);
     if (light.density > 0.0) {
         float other = bsdf_density(at, light.to_light, reflected_share(at));
-        radiance *= power_heuristic(light.density * chosen.probability, other);
+        radiance *= power_heuristic(light.density * probability, other);
     }
     if (radiance == vec3(0.0)) return radiance;
     rays++;
@@ -132,14 +112,14 @@ vec3 light_of_sample(ShadingPoint at, PathLight chosen, vec2 u, inout uint rays)
 }
 
 // Weight of the light along a scattered ray from `at`, which met light `index` with this density of its own, 1/sr.
-float share_of_scattered(ShadingPoint at, PathLight chosen, uint index, float density, Scattered scattered) {
+float share_of_scattered(ShadingPoint at, Choice chosen, uint index, float density, Scattered scattered) {
     if (scattered.density == 0.0) return 1.0;
-    float probability = chosen.total > 0.0 ? light_weight(index, at) / chosen.total : 0.0;
+    float probability = chosen.sum > 0.0 ? light_weight(index, at) / chosen.sum : 0.0;
     return power_heuristic(scattered.density, probability * density);
 }
 
 // Weight of emission that a scattered ray has met; 0 where it is direct light, which other passes know.
-float share_of_emission(ShadingPoint at, PathLight chosen, uint first, TracerHit hit, HitSurface surface, Scattered scattered) {
+float share_of_emission(ShadingPoint at, Choice chosen, uint first, TracerHit hit, HitSurface surface, Scattered scattered) {
     uint light = instances.data[hit.instance].area_light;
     if (light == 0u) return 1.0;
     light += frame.light_count - 1u;
@@ -151,8 +131,8 @@ float share_of_emission(ShadingPoint at, PathLight chosen, uint first, TracerHit
 }
 
 // Irradiance of a surface, W/m^2, by the lights from `first` on, and by all that other surfaces scatter. `place`: of the path's random
-// numbers, those of `pixel` in the frame `sequence`, from the dimension `dimension` on.
-vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uint sequence, uint dimension, inout uint rays) {
+// numbers, those of `pixel` in the frame `frame_index`, from the dimension `dimension` on.
+vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uint frame_index, uint dimension, inout uint rays) {
     vec3 radiance = vec3(0.0);
     vec3 throughput = vec3(PI);
     // The radiance of a white diffuse surface is the irradiance over pi.
@@ -162,13 +142,13 @@ vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uin
     at.is_glossy = false;
     at.gloss_of_areas = 1.0;
     for (uint bounce = 0u; bounce <= BOUNCES; bounce++) {
-        vec2 picks = path_noise(pixel, sequence, dimension + 1u, bounce);
-        PathLight chosen = choose_path_light(at, first, picks.x);
-        radiance += throughput * light_of_sample(at, chosen, path_noise(pixel, sequence, dimension + 2u, bounce), rays);
+        vec2 picks = path_noise(pixel, frame_index, dimension + 1u, bounce);
+        Choice chosen = choose_path_light(at, first, picks.x);
+        radiance += throughput * light_of_sample(at, chosen, path_noise(pixel, frame_index, dimension + 2u, bounce), rays);
 
         // The last ray finds emission alone.
         if (bounce == BOUNCES && frame.all_area_lights == 0u && push.has_environment == 0u) break;
-        Scattered scattered = sample_bsdf(at, picks.y, path_noise(pixel, sequence, dimension, bounce));
+        Scattered scattered = sample_bsdf(at, picks.y, path_noise(pixel, frame_index, dimension, bounce));
         throughput *= scattered.weight;
         if (throughput == vec3(0.0)) break;
         // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling knows none.

@@ -25,10 +25,10 @@ void main() {
     uint index = gl_LocalInvocationIndex;
     uvec2 tile = gl_WorkGroupID.xy;
     VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + index];
-    // What cannot be light is as likely as not.
+    // Where no ray can tell, a cluster is as likely visible as not.
     float seen = 0.5;
     uint rays = 0u;
-    // Each cluster asks another texel of the tile, in every turn another.
+    // Each cluster tests another texel of the tile, in every turn another.
     uint place = (index * 37u + vpl.layer * 11u + vpl.cycle * 149u) % (TILE * TILE);
     uvec2 texel = tile * TILE + uvec2(place % TILE, place / TILE);
     Surface surface = surface_at(representative(ivec2(texel), push.set_step, vpl.representative, frame.size));

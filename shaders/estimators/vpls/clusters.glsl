@@ -1,6 +1,7 @@
 // The VPLs of the set in clusters of neighbours, and choosing within one. Needs vpls.glsl, surface.glsl and representative.glsl.
 // Define CLUSTERS_BINDING before including. Twins: VplCluster in src/estimators/vpls/clusters.rs,
 // SamplingPush, TILE in src/estimators/vpls/indirect_shadows.rs.
+#include "choice.glsl"
 
 struct VplCluster {
     vec3 position;    // mean by flux; at infinity that of the directions
@@ -67,24 +68,6 @@ float importance(VplCluster cluster, Surface surface) {
     return cluster.flux / PI * arrives * leaves * (bound > 0.0 ? min(inverse, bound) : inverse);
 }
 
-// Keeps one of many by weight (Chao 1982). The number that decides is used again: what is left of it is uniform.
-struct Choice {
-    uint kept;
-    float weight; // of the kept one
-    float sum;    // of all weights
-    float random;
-};
-
-void offer(inout Choice choice, uint offered, float weight) {
-    choice.sum += weight;
-    float share = weight > 0.0 ? weight / choice.sum : 0.0;
-    bool take = choice.random < share;
-    if (take) choice.kept = offered;
-    if (take) choice.weight = weight;
-    choice.random = take ? choice.random / share : (choice.random - share) / max(1.0 - share, 1e-6);
-    choice.random = clamp(choice.random, 0.0, 0.9999999);
-}
-
 // VPLs of a cluster among which one is chosen; of larger clusters every so many.
 const uint MOST_CHOICES = 8u;
 
@@ -98,7 +81,7 @@ struct SampledVpl {
 SampledVpl choose_vpl(VplCluster cluster, Surface surface, float random) {
     uint stride = (cluster.count + MOST_CHOICES - 1u) / MOST_CHOICES;
     float at = random * float(stride);
-    Choice choice = Choice(0u, 0.0, 0.0, fract(at));
+    Choice choice = new_choice(fract(at));
     for (uint i = min(uint(at), stride - 1u); i < cluster.count; i += stride) {
         GpuVpl light = vpls.data[vpl.first_vpl + cluster.first + i];
         offer(choice, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));

@@ -34,7 +34,7 @@ void main() {
     if (weight.rgb != vec3(0.0)) {
         HitRecord hit = unpack_hit(imageLoad(hit_place, pixel), weight);
         Surface surface = Surface(hit.position, hit.shading, hit.geometric, 1.0);
-        Choice choice = Choice(0u, 0.0, 0.0, hit.random);
+        Choice choice = new_choice(hit.random);
         for (uint i = 0u; i < CLUSTERS; i++) {
             VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + i];
             offer(choice, i, cluster.count > 0u ? importance(cluster, surface) : 0.0);
