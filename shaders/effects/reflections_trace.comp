@@ -62,6 +62,7 @@ layout(push_constant) uniform Push {
 // Dimensions of the random numbers that a hit takes; the first ones are those of soft shadows.
 const uint FIRST_DIMENSION = 4u;
 const uint DIMENSIONS = 4u;
+const uint INVISIBLE_DIMENSION = 40u;
 // Roughness up to which a surface shows a mirror image, and up to which what a flat one shows moves as a mirror image does; how much
 // neighbouring normals of a flat one differ.
 const float IMAGE_ROUGHNESS = 0.05;
@@ -129,6 +130,21 @@ void shade(inout Path path, HitSurface hit, ShadingPoint at, uint instance, vec3
     }
 }
 
+// What the GGX lobe reflects of one of the area lights that rays do not meet. Where rays sample direct light of area lights, that has it.
+vec3 invisible_light(ShadingPoint at, ivec2 pixel, uint dimension) {
+    if (frame.area_light_count > 0u) return vec3(0.0);
+    at.diffuse = vec3(0.0);
+    Choice choice = new_choice(noise(pixel, dimension).x);
+    for (uint i = 0u; i < frame.all_area_lights; i++) {
+        uint light = frame.light_count + i;
+        if (area_lights.data[i].is_visible == 0u) offer(choice, light, luminance(unshadowed_radiance(light, at)));
+    }
+    if (choice.sum == 0.0) return vec3(0.0);
+    ChosenLight chosen = ChosenLight(choice.kept, choice.weight / choice.sum, vec3(0.0));
+    vec3 origin = ray_origin(at.surface);
+    return sampled_radiance(at, chosen, sample_light(chosen.index, at, origin, noise(pixel, dimension + 1u)), origin);
+}
+
 // The first hit of a path, or the environment.
 struct FirstHit {
     bool met;
@@ -145,12 +161,13 @@ Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, out FirstHit first
     RayCone cone = RayCone(push.spread * at.surface.depth, push.spread);
     for (uint depth = 0u; depth < DEPTH && path.throughput != vec3(0.0); depth++) {
         uint dimension = FIRST_DIMENSION + depth * DIMENSIONS;
+        if (depth == 0u) path.throughput /= max(at.reflection.reflected, vec3(1e-4));
+        path.radiance += path.throughput * invisible_light(at, pixel, INVISIBLE_DIMENSION + 2u * depth);
         Sampled sampled = sample_reflected(at.reflection, noise(pixel, dimension));
         float cosine = dot(at.surface.shading, sampled.direction);
         if (sampled.density == 0.0 || cosine <= 0.0) break;
         vec3 through = sampled.density < 0.0 ? fresnel(at.reflection, cosine)
             : reflected_towards_eye(at.reflection, sampled.direction) * (cosine / sampled.density);
-        if (depth == 0u) through /= max(at.reflection.reflected, vec3(1e-4));
         path.throughput *= through;
         // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost.
         float below = min(dot(at.surface.geometric, sampled.direction), 0.0);
