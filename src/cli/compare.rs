@@ -42,6 +42,9 @@ pub(super) struct CompareArguments {
     /// Side in pixels of the blocks whose mean luminances are compared.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     pub blocks: u32,
+    /// Also measure display luminance, Rec. 709 weights on display values: RMSE, SSIM and, for a sequence, temporal error.
+    #[arg(long)]
+    pub luminance: bool,
     /// Frames of a sequence to compare, such as 16-31. Otherwise all that exist, without gaps.
     #[arg(long, value_name = "FIRST-LAST", value_parser = parse_frames)]
     pub frames: Option<RangeInclusive<u64>>,
@@ -161,6 +164,7 @@ impl<'a> Job<'a> {
         let options = CompareOptions {
             exposure: self.arguments.exposure.unwrap_or_default(),
             block_side: self.arguments.blocks as usize,
+            luminance: self.arguments.luminance,
         };
         let mut sequence = Sequence::new(options, still.is_some());
         let progress = frames_bar(self.frames.end() - self.frames.start() + 1);

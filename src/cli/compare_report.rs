@@ -42,6 +42,7 @@ pub(super) fn table(report: &CompareReport) -> String {
         metrics: *metrics,
         temporal_error: report.metrics.temporal_error,
         reference_temporal_error: report.metrics.reference_temporal_error,
+        luminance_temporal_error: report.metrics.luminance_temporal_error,
     };
     // Writing to a String cannot fail.
     if !frames.is_empty() {
@@ -95,6 +96,9 @@ fn rows(metrics: &Metrics, report: &CompareReport) -> Vec<(String, Figure)> {
         (format!("{side}x{side} blocks, share within 5 %"), |f| Some(f.metrics.blocks.within_5_percent)),
         ("temporal error".to_owned(), |f| f.temporal_error),
         ("reference's temporal error".to_owned(), |f| f.reference_temporal_error),
+        ("display luminance, RMSE".to_owned(), |f| Some(f.metrics.luminance?.rmse)),
+        ("display luminance, SSIM".to_owned(), |f| Some(f.metrics.luminance?.ssim)),
+        ("display luminance, temporal error".to_owned(), |f| f.luminance_temporal_error),
     ]
 }
 

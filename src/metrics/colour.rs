@@ -16,6 +16,11 @@ pub(super) fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
+/// Display luminance: the weights of luminance on display values (Flatval 2020).
+pub(super) fn display_luminance(display: [f32; 3]) -> f32 {
+    luminance(display) as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use serde::Serialize;
 
+use super::colour::display_luminance;
 use super::differences::{Blocks, Luminances, MeanErrors, p95};
 use super::error::MetricsError;
 use super::flip::Flip;
@@ -19,11 +20,13 @@ pub struct CompareOptions {
     pub exposure: f32,
     /// Side of the blocks in pixels, at least 1.
     pub block_side: usize,
+    /// Whether errors of display luminance are measured too.
+    pub luminance: bool,
 }
 
 impl Default for CompareOptions {
     fn default() -> Self {
-        Self { exposure: 0.0, block_side: 16 }
+        Self { exposure: 0.0, block_side: 16, luminance: false }
     }
 }
 
@@ -51,6 +54,28 @@ pub struct Metrics {
     pub p95_relative_error: f64,
     /// The relative error of the means over blocks of pixels.
     pub blocks: Blocks,
+    /// Errors of display luminance, if wanted.
+    #[serde(flatten)]
+    pub luminance: Option<LuminanceMetrics>,
+}
+
+/// Errors of display luminance (Flatval, *Denoising Algorithms for Ray Tracing in Real-Time Applications*, 2020).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LuminanceMetrics {
+    /// Root of the mean squared error.
+    #[serde(rename = "luminance_rmse")]
+    pub rmse: f64,
+    /// Structural similarity, -1 to 1.
+    #[serde(rename = "luminance_ssim")]
+    pub ssim: f64,
+}
+
+impl LuminanceMetrics {
+    fn of(display: &[[f32; 3]], reference: &[[f32; 3]], size: [usize; 2]) -> Self {
+        let [image, reference] = [display, reference]
+            .map(|pixels| pixels.iter().map(|&pixel| [display_luminance(pixel); 3]).collect::<Vec<_>>());
+        Self { rmse: MeanErrors::of(&image, &reference).mse.sqrt(), ssim: ssim(&image, &reference, size) }
+    }
 }
 
 /// A comparison of two pictures.
@@ -104,6 +129,9 @@ pub fn compare(
         mean_relative_error: mean(&relative_errors),
         p95_relative_error: p95(&relative_errors),
         blocks: luminances.blocks(options.block_side.max(1)),
+        luminance: options
+            .luminance
+            .then(|| LuminanceMetrics::of(&display, &display_reference, image.size())),
     };
     Ok(Comparison { size: image.size(), encoding: image.encoding(), metrics, flip_errors, exposures })
 }

@@ -18,7 +18,7 @@ mod read_exr;
 mod sequence;
 mod ssim;
 
-pub use compare::{CompareOptions, Comparison, Metrics, PixelError, compare, pixel_errors};
+pub use compare::{CompareOptions, Comparison, LuminanceMetrics, Metrics, PixelError, compare, pixel_errors};
 pub use differences::Blocks;
 pub use error::MetricsError;
 pub use flip_hdr::Exposures;

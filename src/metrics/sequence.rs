@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::compare::{CompareOptions, Comparison, Metrics, compare};
+use super::compare::{CompareOptions, Comparison, LuminanceMetrics, Metrics, compare};
 use super::differences::{Blocks, mean_change};
 use super::error::MetricsError;
 use super::image::Image;
@@ -22,6 +22,9 @@ pub struct FrameMetrics {
     /// Mean absolute change of the reference's luminance, if it is a sequence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_temporal_error: Option<f64>,
+    /// Mean absolute change of display luminance since the frame before, if errors of it are wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luminance_temporal_error: Option<f64>,
 }
 
 /// A whole sequence.
@@ -36,6 +39,9 @@ pub struct SequenceMetrics {
     /// The mean of all changes of the reference, if it is a sequence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_temporal_error: Option<f64>,
+    /// The mean of all changes of display luminance, if errors of it are wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub luminance_temporal_error: Option<f64>,
     /// Every frame, in order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<FrameMetrics>,
@@ -49,6 +55,8 @@ pub struct Sequence {
     frames: Vec<FrameMetrics>,
     /// The last picture and its reference: name, size, luminances.
     last: Option<[Seen; 2]>,
+    /// The display luminances of the last picture.
+    last_display: Option<Vec<f64>>,
 }
 
 type Seen = (String, [usize; 2], Vec<f64>);
@@ -78,13 +86,21 @@ impl Sequence {
             Ok(Some(mean_change(before, after)))
         };
         let (temporal_error, reference_change) = (change(0)?, change(1)?);
+        let display = self.options.luminance.then(|| image.display_luminances(self.options.exposure));
+        let luminance_temporal_error = self
+            .last_display
+            .as_ref()
+            .zip(display.as_ref())
+            .map(|(before, after)| mean_change(before, after));
         self.frames.push(FrameMetrics {
             frame,
             metrics: comparison.metrics,
             temporal_error,
             reference_temporal_error: reference_change.filter(|_| !self.still_reference),
+            luminance_temporal_error,
         });
         self.last = Some(now);
+        self.last_display = display;
         Ok(comparison)
     }
 
@@ -98,6 +114,7 @@ impl Sequence {
             means: mean_metrics(&self.frames)?,
             temporal_error: mean_change(|frame| frame.temporal_error),
             reference_temporal_error: mean_change(|frame| frame.reference_temporal_error),
+            luminance_temporal_error: mean_change(|frame| frame.luminance_temporal_error),
             frames: self.frames,
         })
     }
@@ -143,5 +160,9 @@ fn mean_metrics(frames: &[FrameMetrics]) -> Option<Metrics> {
             within_3_percent: mean_of(|metrics| metrics.blocks.within_3_percent),
             within_5_percent: mean_of(|metrics| metrics.blocks.within_5_percent),
         },
+        luminance: first.luminance.map(|_| LuminanceMetrics {
+            rmse: mean_of(|metrics| metrics.luminance.map_or(0.0, |luminance| luminance.rmse)),
+            ssim: mean_of(|metrics| metrics.luminance.map_or(0.0, |luminance| luminance.ssim)),
+        }),
     })
 }

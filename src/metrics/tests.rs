@@ -152,6 +152,23 @@ fn a_sequence_has_the_metrics_of_its_frames_and_their_means() {
 }
 
 #[test]
+fn display_luminance_is_that_of_encoded_values() {
+    let frames = [[0.2, 0.8], [0.3, 0.6], [0.3, 0.6]].map(|values| {
+        Image::from_display("a", [2, 1], values.map(|value| [value, value, 0.5]).into()).unwrap()
+    });
+    let mut sequence = Sequence::new(CompareOptions { luminance: true, ..CompareOptions::default() }, true);
+    for (number, frame) in (0..).zip(&frames) {
+        sequence.push(number, frame, &frames[1]).unwrap();
+    }
+    let result = sequence.finish().unwrap();
+    // Red and green weigh 0.9278 together.
+    assert!((result.luminance_temporal_error.unwrap() - 0.9278 * 0.15 / 2.0).abs() < 1e-6);
+    let first = result.frames[0].metrics.luminance.unwrap();
+    assert!((first.rmse - 0.9278 * 0.025_f64.sqrt()).abs() < 1e-6);
+    assert_eq!(result.frames[1].metrics.luminance.unwrap().ssim, 1.0);
+}
+
+#[test]
 fn a_moving_reference_has_a_temporal_error_too() {
     let frames = [[1.0, 2.0], [2.0, 2.0]].map(|values| grey(2, values));
     let mut sequence = Sequence::new(CompareOptions::default(), false);

@@ -114,6 +114,8 @@ fn views_follow_the_tracer() {
     let Some(gpu) = open() else { return };
     let scene = all_kinds();
     let pose = scene.pose(0.0);
+    // Automatic exposure follows the noise of the frames.
+    let settings = |tracer| Settings { exposure: Some(1.0), ..settings(tracer) };
     let mut renderer = gpu.rendered(&scene, &settings(TracerKind::Software), 4);
     let valid = vpls(&renderer).slots().position(|slot| slot.state == SlotState::Valid && slot.bounce == 1);
     let options = VplDebugView { single_vpl: Some(valid.unwrap() as u32), ..VplDebugView::default() };
