@@ -19,6 +19,11 @@ def layer(picture, name):
     raise ValueError(f"{picture} has no layer {name}")
 
 
+def first_layer(picture):
+    """The first layer, of all light."""
+    return OpenEXR.File(str(picture)).parts[0].channels["RGB"].pixels[..., :3].astype(np.float64)
+
+
 def channels(picture, name):
     """The channels of a layer in alphabetic order, as height x width x channels."""
     for part in OpenEXR.File(str(picture), separate_channels=True).parts:

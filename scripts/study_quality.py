@@ -36,10 +36,10 @@ SHOWN = 256
 class Study:
     """Runs the program in the cache's folder, which keeps scenes and references."""
 
-    def __init__(self, options):
+    def __init__(self, options, figures):
         self.options = options
         self.cache = options.cache
-        self.figures = options.out / "quality"
+        self.figures = options.out / figures
         self.figures.mkdir(parents=True, exist_ok=True)
         self.rendered = self.cache / "rendered.exr"
         self.made = study_scenes.make(self.cache / "scenes")
@@ -50,7 +50,7 @@ class Study:
         done = subprocess.run([self.options.glowworm, command, *map(str, arguments), "--json", report],
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
-            sys.exit(f"study-quality: error: glowworm {command} failed:\n{done.stderr}")
+            sys.exit(f"error: glowworm {command} failed:\n{done.stderr}")
         return json.loads(report.read_text())
 
     def chosen(self, scenes):
@@ -174,20 +174,20 @@ SECTIONS = {section.__name__: section for section in [
     scenes, study_motion.motion, study_motion.animations, study_pixels.pixels, study_pixels.convergence, study_pixels.textures]}
 
 
-def arguments(root):
+def arguments(root, program, description, sections, scenes, spp):
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "glowworm" / "quality"
     target = Path(os.environ.get("CARGO_TARGET_DIR") or "target")
-    listed = "\n".join(f"  {name:12} {section.__doc__}" for name, section in SECTIONS.items())
-    parser = argparse.ArgumentParser(prog="study-quality", description=__doc__, epilog=f"sections:\n{listed}",
+    listed = "\n".join(f"  {name:12} {section.__doc__}" for name, section in sections.items())
+    parser = argparse.ArgumentParser(prog=program, description=description, epilog=f"sections:\n{listed}",
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="*", metavar="SECTION", help="otherwise all")
     parser.add_argument("--glowworm", type=Path, metavar="BINARY", default=root / target / "release" / "glowworm",
                         help="the program to be measured (%(default)s)")
-    parser.add_argument("--scenes", default=",".join(dict.fromkeys(study_motion.MOVING + study_pixels.PICTURES)),
+    parser.add_argument("--scenes", default=",".join(scenes),
                         metavar="A,B", help="names (%(default)s)")
     parser.add_argument("--size", default="256x256", metavar="WxH",
                         help="size of the pictures of `scenes` (%(default)s); other sections have their own")
-    parser.add_argument("--spp", type=int, default=1024, metavar="N",
+    parser.add_argument("--spp", type=int, default=spp, metavar="N",
                         help="samples a pixel of the references (%(default)s; four times as many where few paths find light, "
                         "a quarter for each frame in motion)")
     parser.add_argument("--seeds", type=int, default=0, metavar="N", help="also render N seeds (%(default)s)")
@@ -201,15 +201,16 @@ def arguments(root):
     options.root = root
     options.scenes = options.scenes.split(",")
     for name in options.sections:
-        if name not in SECTIONS:
+        if name not in sections:
             parser.error(f"{name}: no such section")
     return options
 
 
 def main():
-    options = arguments(Path(sys.argv.pop(1)))
+    scenes = dict.fromkeys(study_motion.MOVING + study_pixels.PICTURES)
+    options = arguments(Path(sys.argv.pop(1)), "study-quality", __doc__, SECTIONS, scenes, spp=1024)
     if not options.page_only:
-        study = Study(options)
+        study = Study(options, "quality")
         for name in options.sections or SECTIONS:
             print(f"{name} ...", file=sys.stderr, flush=True)
             SECTIONS[name](study)

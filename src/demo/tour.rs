@@ -1,4 +1,4 @@
-//! The tour: six stops of ten seconds, each of which shows one idea, with a caption.
+//! The tour: eight stops of ten seconds, each of which shows one idea, with a caption.
 
 use std::f32::consts::TAU;
 use std::path::PathBuf;
@@ -16,14 +16,14 @@ use crate::estimators::vpls::{PathStyle, VplDebugView};
 use crate::output::OutputFile;
 use crate::renderer::DebugView;
 use crate::scene::Camera;
-use crate::settings::{Indirect, Settings, VplSettings};
+use crate::settings::{Denoise, EffectSettings, Indirect, Settings, VplSettings};
 
 /// Length of a stop, seconds.
 const STOP: f64 = 10.0;
 /// VPLs whose paths are shown.
 const FEW: u32 = 128;
 /// Pictures of the contact sheet beside each other.
-const COLUMNS: usize = 3;
+const COLUMNS: usize = 4;
 
 /// A stop.
 struct Stop {
@@ -42,14 +42,16 @@ enum Act {
     FewVpls(bool),
     Paths(bool),
     Pause(bool),
-    /// Direct light alone right of the divider, which sways.
-    Compare,
+    /// A method of indirect light and its denoiser on the left.
+    Method(Indirect, Denoise),
+    /// Others right of the divider, which sways.
+    Beside(Indirect, Denoise),
     Reference,
     /// One picture again.
     Join,
 }
 
-const STOPS: [Stop; 6] = [
+const STOPS: [Stop; 8] = [
     Stop {
         caption: "Temporal sets. T = 1: each frame draws the light of all virtual point lights. After five seconds T = 16: \
                   a sixteenth of them a frame, added up over sixteen frames.",
@@ -77,12 +79,32 @@ const STOPS: [Stop; 6] = [
     Stop {
         caption: "Methods side by side. Left of the divider bounced light by virtual point lights, right of it direct \
                   light alone, of the same world at the same moment.",
-        acts: &[(0.0, Act::Compare)],
+        acts: &[(0.0, Act::Beside(Indirect::NONE, Denoise::SVGF))],
+        sway: [4.0, 1.0],
+    },
+    Stop {
+        caption: "Path tracing. Right of the divider one light path a pixel and frame, cleaned by SVGF: averaged along motion, \
+                  and blurred along surfaces as far as its variance says.",
+        acts: &[(0.0, Act::Beside(Indirect::PATHS, Denoise::SVGF))],
+        sway: [4.0, 1.0],
+    },
+    Stop {
+        caption: "Two denoisers. The same light paths: on the left SVGF, on the right BMFR, which fits normals and positions to \
+                  the noisy light in blocks of 32 pixels.",
+        acts: &[
+            (0.0, Act::Method(Indirect::PATHS, Denoise::SVGF)),
+            (0.0, Act::Beside(Indirect::PATHS, Denoise::BMFR)),
+        ],
         sway: [4.0, 1.0],
     },
     Stop {
         caption: "The reference. A path tracer goes on as long as nothing moves; the picture on the left is compared with it.",
-        acts: &[(0.0, Act::Join), (0.0, Act::Pause(true)), (0.0, Act::Reference)],
+        acts: &[
+            (0.0, Act::Join),
+            (0.0, Act::Method(Indirect::VPLS, Denoise::SVGF)),
+            (0.0, Act::Pause(true)),
+            (0.0, Act::Reference),
+        ],
         sway: [0.0, 1.0],
     },
 ];
@@ -199,9 +221,12 @@ impl Tour {
                 Action::View(Box::new(view))
             }
             Act::Pause(paused) => Action::Pause(paused),
-            Act::Compare => {
-                let direct = Settings { indirect: Indirect::NONE, ..session.settings.clone() };
-                Action::Split(Some(RightSide::Settings(Box::new(direct))))
+            Act::Method(indirect, denoise) => {
+                Action::Set(Box::new(with_method(&session.settings, indirect, denoise)))
+            }
+            Act::Beside(indirect, denoise) => {
+                let right = with_method(&session.settings, indirect, denoise);
+                Action::Split(Some(RightSide::Settings(Box::new(right))))
             }
             Act::Reference => Action::Split(Some(RightSide::Reference)),
             Act::Join => Action::Split(None),
@@ -223,6 +248,11 @@ impl Tour {
         shots.push(shot);
         Ok(())
     }
+}
+
+fn with_method(settings: &Settings, indirect: Indirect, denoise: Denoise) -> Settings {
+    let effects = EffectSettings { denoise, ..settings.effects };
+    Settings { indirect, effects, ..settings.clone() }
 }
 
 /// All shots in rows; what is smaller than the largest has a black margin.

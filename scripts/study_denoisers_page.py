@@ -1,0 +1,106 @@
+"""Generates docs/DENOISERS.md from the figures in docs/denoisers."""
+
+import json
+
+# One path a pixel and frame, or VPLs; TAA is off, so that the denoisers alone are compared.
+PATHS = ["--indirect", "paths"]
+METHODS = {
+    "paths, noisy": [*PATHS, "--denoise", "none"],
+    "paths, accumulation alone": [*PATHS, "--denoise", "svgf", "--indirect-svgf-levels", 0],
+    "paths, a-trous alone": [*PATHS, "--denoise", "svgf", "--svgf-history", 1],
+    **{f"paths, SVGF, {levels} levels": [*PATHS, "--denoise", "svgf", "--indirect-svgf-levels", levels] for levels in [1, 2, 3, 5]},
+    "paths, SVGF": [*PATHS, "--denoise", "svgf"],
+    "paths, BMFR": [*PATHS, "--denoise", "bmfr"],
+    "VPLs": ["--indirect", "vpls"],
+    "VPLs, no denoiser": ["--indirect", "vpls", "--denoise", "none"],
+}
+FEATURE_COUNTS = [1, 2, 4, 6, 8, 10, 12, 14]
+
+HEAD = """# Denoisers
+
+One path a pixel and frame (`--indirect paths`), cleaned by SVGF (Schied et al. 2017) or BMFR (Koskela et al. 2019), beside VPLs. The
+camera moves as in H. Flatval, *Denoising Algorithms for Ray Tracing in Real-Time Applications*, 2020, in 60 frames of 1/60 s. Written by
+
+```sh
+scripts/study-denoisers             # --help lists sections and options
+```
+
+{device} ({driver}), {size}, {bounces} bounces, no antialiasing. A CPU's ratios are no GPU's: rays cost it more than passes over the picture.
+"""
+
+MOTION = """## In motion
+
+Means over every sixth of 60 frames against the path tracer's of the same moments, {spp} samples a pixel (commit {commit}); its own noise counts
+as error. RMSE and SSIM are of display luminance (`glowworm compare --luminance`), at an exposure that brings 95 % of the pixels below
+0.8.
+
+{tables}
+
+- **flicker**: mean absolute change of the irradiance from frame to frame at the same surface points, over its mean.
+- **ms**: of a whole frame, mean; **denoiser**: of that the passes that clean the indirect light.
+- **rays**: of the shaders, for each pixel of a frame.
+"""
+
+STATIC = """## Nothing moves
+
+Mean absolute change of display luminance from frame to frame, over the last 10 of 60 frames from a fresh start, before still frames are averaged
+(`--still-frames 0`); Flatval 2020 has .0054 for SVGF and .0011 for BMFR. By default, the picture goes over to the mean of all frames and freezes.
+
+{table}
+"""
+
+FEATURES = """## Features of BMFR
+
+RMSE of display luminance / HDR-FLIP / milliseconds of the fit, by number of features: the first of
+`{features}`.
+
+{table}
+"""
+
+ROWS = [("RMSE", "luminance_rmse", ".4f"), ("SSIM", "luminance_ssim", ".3f"), ("HDR-FLIP", "flip", ".3f"), ("mean", "mean_ratio", ".3f"),
+        ("flicker", "flicker", ".3f"), ("ms", "ms", ".0f"), ("denoiser", "denoiser_ms", ".1f"), ("rays", "rays", ".1f")]
+
+
+def table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def read(folder, section):
+    file = folder / f"{section}.json"
+    return json.loads(file.read_text()) if file.exists() else None
+
+
+def motion(figures):
+    tables = []
+    for scene, row in figures["rows"].items():
+        rows = [[name, *(format(row[name][key], form) for _, key, form in ROWS)] for name in METHODS if name in row]
+        tables.append(f"**{scene}**\n\n" + table(["method", *(name for name, _, _ in ROWS)], rows))
+    return MOTION.format(tables="\n\n".join(tables), **figures)
+
+
+def static(figures):
+    scenes = list(figures["rows"])
+    rows = [[name, *(format(figures["rows"][scene].get(name, float("nan")), ".4f") for scene in scenes)] for name in METHODS]
+    return STATIC.format(table=table(["method", *scenes], rows))
+
+
+def features(figures):
+    scenes = list(figures["rows"])
+
+    def cell(scene, count):
+        row = figures["rows"][scene].get(str(count))
+        return f"{row['luminance_rmse']:.4f} / {row['flip']:.3f} / {row['fit_ms']:.1f}" if row else ""
+
+    rows = [[str(count), *(cell(scene, count) for scene in scenes)] for count in FEATURE_COUNTS]
+    return FEATURES.format(features=", ".join(figures["features"]), table=table(["features", *scenes], rows))
+
+
+def write(out):
+    folder = out / "denoisers"
+    found = {section: read(folder, section) for section in ["methods", "static", "features"]}
+    if not found["methods"]:
+        return
+    parts = [HEAD.format(**found["methods"]), motion(found["methods"])]
+    parts += [page(found[name]) for name, page in [("static", static), ("features", features)] if found[name]]
+    (out / "DENOISERS.md").write_text("\n".join(parts))
