@@ -1,7 +1,7 @@
-//! The bar at the top: scene, method, temporal sets, quality, split view, frame rate, still frames.
+//! The bar at the top: scene, methods, denoiser, temporal sets, quality, split view, frame rate, still frames.
 
 use clap::ValueEnum;
-use egui::{ComboBox, RichText, Ui};
+use egui::{ComboBox, Label, RichText, Ui};
 
 use super::scene::short;
 use super::settings::{name_of, presets};
@@ -18,7 +18,7 @@ const QUALITIES: usize = 3;
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
 /// Width of all that the bar holds, points.
-const FULL: f32 = 1080.0;
+const FULL: f32 = 1160.0;
 /// Height of a row and of the margins, points.
 const ROW: f32 = 22.0;
 const MARGINS: f32 = 4.0;
@@ -58,7 +58,8 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
         let still = session.renderer.still_frames();
         if still > 0 {
             ui.separator();
-            ui.weak(format!("still: {still} of {} frames", session.settings.still_frames))
+            let text = format!("still: {still} of {} frames", session.settings.still_frames);
+            ui.add(Label::new(RichText::new(text).weak()).extend())
                 .on_hover_text("While nothing changes, the mean of all frames becomes the picture.");
         }
         if settings != session.settings {
@@ -114,6 +115,7 @@ fn methods(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
     method(ui, places, ("method", "Indirect light"), &mut settings.indirect);
     method(ui, places, ("method of direct light", "Direct light"), &mut settings.direct);
     method(ui, places, ("method of reflections", "Reflections"), &mut settings.reflections);
+    method(ui, places, ("denoiser", "Denoiser"), &mut settings.effects.denoise);
 }
 
 /// A menu of the methods for one kind of light.
