@@ -7,11 +7,14 @@ use crate::window::{Demo, is_action};
 use crate::x_server::XServer;
 
 /// Menu in the bar, method, and the setting that it is of.
-const METHODS: [(&str, &str, &str); 6] = [
+const METHODS: [(&str, &str, &str); 9] = [
     ("method of direct light", "soft", "direct"),
     ("method of reflections", "rays", "reflections"),
     ("method", "none", "indirect"),
     ("method of direct light", "hard", "direct"),
+    ("method", "paths", "indirect"),
+    ("denoiser", "bmfr", "denoise"),
+    ("denoiser", "svgf", "denoise"),
     ("method", "vpls", "indirect"),
     ("method of reflections", "none", "reflections"),
 ];
