@@ -57,6 +57,25 @@ RMSE of display luminance / HDR-FLIP / milliseconds of the fit, by number of fea
 {table}
 """
 
+PAPER = """## On paper
+
+Bytes that each pixel moves once, where caches hold neighbours, and operations, at 1920x1080; a GPU with 500 GB/s and 10 TFLOP/s needs at least the
+greater of the two times. No GPU has been measured.
+
+| stage | reads and writes | operations | ms |
+|---|---|---|---|
+| SVGF: accumulation | signal, reprojection, light, moments; 56 B | 300, of which 25 taps for the rejection of history | 0.23 |
+| SVGF: variance | light, moments, width; 32 B; where history is short 7x7 taps | 20; 49 taps of 40 there | 0.13 |
+| SVGF: a-trous, four levels | light, depth, normal, width; 36 B each | 25 taps of 40 each | 0.83 |
+| BMFR: accumulation | signal, reprojection, history; 32 B | 150 | 0.13 |
+| BMFR: fit of ten features | signal, depth, normal, albedo; 36 B | 4 (13 + 12 + ... + 4) = 340 by Householder, 60 for the sum | 0.15 |
+| BMFR: accumulation of the fit | fit, reprojection, history; 32 B | 50 | 0.13 |
+
+The fit's rows stay in registers, 5 x 13 of each of 256 threads; sums over rows go by subgroups, then 8 or 16 numbers by shared memory; two barriers a
+column, not bandwidth, bound it. Paths diverge after the first bounce: of two bounces a live ray in a subgroup is followed by one that ended, so
+compaction could save at most half of the second bounce's time, and costs a pass and 64 B of state a path each way; it is not done.
+"""
+
 ROWS = [("RMSE", "luminance_rmse", ".4f"), ("SSIM", "luminance_ssim", ".3f"), ("HDR-FLIP", "flip", ".3f"), ("mean", "mean_ratio", ".3f"),
         ("flicker", "flicker", ".3f"), ("ms", "ms", ".0f"), ("denoiser", "denoiser_ms", ".1f"), ("rays", "rays", ".1f")]
 
@@ -103,4 +122,5 @@ def write(out):
         return
     parts = [HEAD.format(**found["methods"]), motion(found["methods"])]
     parts += [page(found[name]) for name, page in [("static", static), ("features", features)] if found[name]]
+    parts.append(PAPER)
     (out / "DENOISERS.md").write_text("\n".join(parts))

@@ -16,6 +16,7 @@ use crate::bench::{
     lacks_models, read_report, tables,
 };
 use crate::builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
+use crate::estimators;
 use crate::output::OutputFile;
 use crate::settings::{GivenSettings, Settings};
 use crate::vulkan::Device;
@@ -115,11 +116,14 @@ fn swept() -> Vec<Axis> {
     Axis::all().into_iter().filter(|axis| *axis != Axis::Method).collect()
 }
 
-/// The size of pictures and the lists of the methods that are measured unless others are given.
-fn default_list(axis: Axis, on_cpu: bool) -> Option<String> {
+/// The size of pictures and the lists of the settings' method that are measured unless others are given.
+fn default_list(axis: Axis, settings: &Settings, on_cpu: bool) -> Option<String> {
     match axis {
         Axis::Size => Some(if on_cpu { ON_CPU.size } else { SIZE }.map(|side| side.to_string()).join("x")),
-        Axis::Number(axis) => axis.default_sweep.map(str::to_owned),
+        Axis::Number(axis) => {
+            let own = estimators::method(settings).axes.iter().find(|own| own.setting == axis.setting)?;
+            own.default_sweep.map(str::to_owned)
+        }
         Axis::Method => None,
     }
 }
@@ -142,7 +146,7 @@ impl clap::Args for SweptSettings {
             let command = more(command, axis.key(), "A list such as A,B measures each");
             command.mut_arg(axis.key(), |argument| {
                 let argument = argument.value_delimiter(',');
-                match default_list(axis, false) {
+                match default_list(axis, &Settings::default(), false) {
                     Some(list) => argument.default_value(list),
                     None => argument,
                 }
@@ -189,8 +193,10 @@ impl SweptSettings {
 
     /// The given lists; otherwise those of the `old` plan; otherwise the default ones, or the scenes' values.
     fn sweep(&self, old: Option<&Sweep>, on_cpu: bool) -> Sweep {
+        // Wrong values are told later.
+        let settings = Settings::resolve(&toml::Table::new(), &self.given).unwrap_or_default();
         let list = |axis: Axis| {
-            let default = || Some(values(axis, default_list(axis, on_cpu)?.split(',')));
+            let default = || Some(values(axis, default_list(axis, &settings, on_cpu)?.split(',')));
             let others = || match old {
                 Some(old) => old.settings.get(axis.key()).cloned(),
                 None => default(),

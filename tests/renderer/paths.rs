@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use glowworm::gpu_scene::tracer::RayTracer;
+use glowworm::renderer::Renderer;
 use glowworm::scene::{Environment, Scene};
 use glowworm::settings::{Denoise, EffectSettings, Indirect, PathSettings, Settings, TracerKind};
 
@@ -141,4 +142,73 @@ fn rays_are_counted() {
     let rays = reports[0].figures.counters.get("rays") as f32 / (SIDE * SIDE) as f32;
     // The last ray would find nothing; many leave the corner.
     assert!(rays > 1.0 && rays < 4.0, "{rays} rays a pixel");
+}
+
+/// Estimator and denoiser, which a user switches while the program runs.
+const METHODS: [(Indirect, Denoise); 5] = [
+    (Indirect::PATHS, Denoise::BMFR),
+    (Indirect::VPLS, Denoise::SVGF),
+    (Indirect::PATHS, Denoise::SVGF),
+    (Indirect::NONE, Denoise::NONE),
+    (Indirect::PATHS, Denoise::NONE),
+];
+
+fn by((indirect, denoise): (Indirect, Denoise)) -> Settings {
+    let effects = EffectSettings { denoise, ..EffectSettings::default() };
+    Settings { size: [2 * SIDE, SIDE], indirect, effects, ..plain() }
+}
+
+#[test]
+fn switching_takes_a_frame_and_no_memory() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let pose = scene.pose(0.0);
+    let mut renderer = gpu.renderer(&scene, &by(METHODS[0]), &pose);
+    let mut peaks = Vec::new();
+    for _ in 0..20 {
+        for method in METHODS {
+            renderer.set_settings(&by(method), &pose).unwrap();
+            renderer.render(&pose).unwrap();
+            let colour = renderer.read_picture(false).unwrap().colour;
+            assert!(mean(colour.iter().map(luminance)) > 0.01, "{method:?}: black after a switch");
+        }
+        // The first rounds build what all others use again.
+        peaks.push(gpu.device.memory_peak());
+        gpu.device.restart_memory_peak();
+    }
+    assert!(peaks[2..].windows(2).all(|pair| pair[0] == pair[1]), "{peaks:?}");
+    // What was seen before is forgotten: the next frame is a fresh renderer's.
+    let method = METHODS[2];
+    renderer.set_settings(&by(method), &pose).unwrap();
+    renderer.render(&pose).unwrap();
+    let noise = |renderer: &Renderer| {
+        let irradiance = layer(&renderer.read_picture(true).unwrap(), "indirect");
+        let steps = irradiance.windows(2).map(|pair| (luminance(&pair[1]) - luminance(&pair[0])).abs());
+        mean(steps) / mean(irradiance.iter().map(luminance))
+    };
+    let fresh = gpu.rendered(&scene, &by(method), 1);
+    let (switched, fresh) = (noise(&renderer), noise(&fresh));
+    assert!((switched / fresh - 1.0).abs() < 0.15, "noise {switched}, of a fresh renderer {fresh}");
+}
+
+#[test]
+fn no_light_of_many_frames_is_negative_or_no_number() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let lamp = "[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]\n";
+    let scene = corner(lamp);
+    for denoise in [Denoise::BMFR, Denoise::SVGF] {
+        let settings = Settings { size: [37, 35], ..by((Indirect::PATHS, denoise)) };
+        let mut renderer = gpu.renderer(&scene, &settings, &scene.pose(0.0));
+        for frame in 0..500 {
+            let mut pose = scene.pose(0.0);
+            let turn = frame as f32 * 0.1;
+            pose.camera.eye += 0.3 * Vec3::new(turn.sin(), (1.7 * turn).sin(), 0.0);
+            renderer.render(&pose).unwrap();
+            if frame % 10 == 9 {
+                let irradiance = layer(&renderer.read_picture(true).unwrap(), "indirect");
+                let is_light = |value: &f32| value.is_finite() && *value >= 0.0;
+                assert!(irradiance.as_flattened().iter().all(is_light), "{denoise:?}, frame {frame}");
+            }
+        }
+    }
 }
