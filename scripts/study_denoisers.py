@@ -5,8 +5,6 @@ Applications, 2020, as far as the scenes allow. The figures go to docs/denoisers
 import json
 import math
 import statistics
-import sys
-from pathlib import Path
 
 import study_denoisers_page
 import study_pictures
@@ -139,16 +137,5 @@ def features(study):
 SECTIONS = {section.__name__: section for section in [methods, static, features]}
 
 
-def main():
-    root = Path(sys.argv.pop(1))
-    options = study_quality.arguments(root, "study-denoisers", __doc__, SECTIONS, CAMERAS, spp=256)
-    if not options.page_only:
-        study = study_quality.Study(options, "denoisers")
-        for name in options.sections or SECTIONS:
-            print(f"{name} ...", file=sys.stderr, flush=True)
-            SECTIONS[name](study)
-    study_denoisers_page.write(options.out)
-
-
 if __name__ == "__main__":
-    main()
+    study_quality.run("study-denoisers", __doc__, SECTIONS, CAMERAS, 256, "denoisers", study_denoisers_page.write)

@@ -206,16 +206,17 @@ def arguments(root, program, description, sections, scenes, spp):
     return options
 
 
-def main():
-    scenes = dict.fromkeys(study_motion.MOVING + study_pixels.PICTURES)
-    options = arguments(Path(sys.argv.pop(1)), "study-quality", __doc__, SECTIONS, scenes, spp=1024)
+def run(program, description, sections, scenes, spp, figures, write):
+    """Measures the sections that are asked for, and writes the page from the folder of figures."""
+    options = arguments(Path(sys.argv.pop(1)), program, description, sections, scenes, spp)
     if not options.page_only:
-        study = Study(options, "quality")
-        for name in options.sections or SECTIONS:
+        study = Study(options, figures)
+        for name in options.sections or sections:
             print(f"{name} ...", file=sys.stderr, flush=True)
-            SECTIONS[name](study)
-    study_quality_page.write(options.out)
+            sections[name](study)
+    write(options.out)
 
 
 if __name__ == "__main__":
-    main()
+    run("study-quality", __doc__, SECTIONS, dict.fromkeys(study_motion.MOVING + study_pixels.PICTURES), 1024, "quality",
+        study_quality_page.write)

@@ -133,14 +133,11 @@ void shade(inout Path path, HitSurface hit, ShadingPoint at, uint instance, vec3
 // What the GGX lobe reflects of one of the area lights that rays do not meet. Where rays sample direct light of area lights, that has it.
 vec3 invisible_light(ShadingPoint at, ivec2 pixel, uint dimension) {
     if (frame.area_light_count > 0u) return vec3(0.0);
+    // Without these, visible ones send nothing.
     at.diffuse = vec3(0.0);
-    Choice choice = new_choice(noise(pixel, dimension).x);
-    for (uint i = 0u; i < frame.all_area_lights; i++) {
-        uint light = frame.light_count + i;
-        if (area_lights.data[i].is_visible == 0u) offer(choice, light, luminance(unshadowed_radiance(light, at)));
-    }
-    if (choice.sum == 0.0) return vec3(0.0);
-    ChosenLight chosen = ChosenLight(choice.kept, choice.weight / choice.sum, vec3(0.0));
+    at.gloss_of_areas = 0.0;
+    ChosenLight chosen = choose_light(at, noise(pixel, dimension).x, frame.light_count, frame.all_area_lights);
+    if (chosen.probability == 0.0) return vec3(0.0);
     vec3 origin = ray_origin(at.surface);
     return sampled_radiance(at, chosen, sample_light(chosen.index, at, origin, noise(pixel, dimension + 1u)), origin);
 }

@@ -9,18 +9,22 @@ struct ChosenLight {
     vec3 unshadowed; // what all lights send, about
 };
 
-ChosenLight choose_light(ShadingPoint point, float pick) {
+// One of the lights from `first` on.
+ChosenLight choose_light(ShadingPoint point, float pick, uint first, uint count) {
     Choice choice = new_choice(pick);
     vec3 all = vec3(0.0);
     // Where no surface is nothing is sampled.
-    uint count = point.surface.depth > 0.0 ? sampled_lights() : 0u;
-    for (uint i = 0u; i < count; i++) {
+    uint end = point.surface.depth > 0.0 ? first + count : first;
+    for (uint i = first; i < end; i++) {
         vec3 radiance = unshadowed_radiance(i, point);
         all += radiance;
         offer(choice, i, luminance(radiance));
     }
     return ChosenLight(choice.kept, choice.sum > 0.0 ? choice.weight / choice.sum : 0.0, all);
 }
+
+// One of all whose direct light is sampled.
+ChosenLight choose_light(ShadingPoint point, float pick) { return choose_light(point, pick, 0u, sampled_lights()); }
 
 // A point of a light.
 struct LightSample {

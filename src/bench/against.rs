@@ -125,11 +125,7 @@ fn error_change(runs: [&Run; 2]) -> Option<Change> {
 
 /// Scene, method and settings.
 fn described(run: &Run) -> String {
-    format!(
-        "{}, {}",
-        run.scene,
-        Axis::all().into_iter().map(|axis| axis.phrase(run)).collect::<Vec<_>>().join(", ")
-    )
+    format!("{}, {}", run.scene, Axis::of(run).map(|axis| axis.phrase(run)).collect::<Vec<_>>().join(", "))
 }
 
 /// The samples of a quantity, by round.

@@ -44,6 +44,15 @@ impl Axis {
         axes
     }
 
+    /// Those along which the method of a run changes.
+    pub fn of(run: &Run) -> impl Iterator<Item = Self> {
+        let own = estimators::method(&run.settings).axes;
+        let others = |key| {
+            !own.iter().any(|axis| axis.setting == key) && estimators::axes().any(|axis| axis.setting == key)
+        };
+        Self::all().into_iter().filter(move |axis| !others(axis.key()))
+    }
+
     /// The first axis of the method of a run, if it has any: what tables name where nothing varies.
     pub fn main(run: &Run) -> Option<Self> {
         estimators::method(&run.settings).axes.first().map(Self::Number)

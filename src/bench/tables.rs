@@ -112,11 +112,12 @@ fn label(run: &Run, varied: &[Axis]) -> String {
     std::iter::once(run.scene.clone()).chain(phrases).collect::<Vec<_>>().join(", ")
 }
 
-/// The settings common to all runs.
+/// The settings that all runs have in common and the method of some changes along.
 pub(super) fn common_settings(report: &Report) -> String {
     let Some(first) = report.runs.first() else { return String::new() };
     let is_common = |axis: &Axis| report.runs.iter().all(|run| axis.text(run) == axis.text(first));
-    let axes = Axis::all().into_iter().filter(is_common);
+    let is_used = |axis: &Axis| report.runs.iter().any(|run| Axis::of(run).any(|own| own == *axis));
+    let axes = Axis::all().into_iter().filter(|axis| is_common(axis) && is_used(axis));
     let phrase = |axis: Axis| axis.phrase(first) + if axis == Axis::Size { " pixels" } else { "" };
     axes.map(phrase).collect::<Vec<_>>().join(", ")
 }

@@ -11,14 +11,9 @@ pub(super) fn linear_to_srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Luminance of linear RGB (ITU-R BT.709).
+/// Luminance of linear RGB (ITU-R BT.709); display luminance of display values (Flatval 2020).
 pub(super) fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
-}
-
-/// Display luminance: the weights of luminance on display values (Flatval 2020).
-pub(super) fn display_luminance(display: [f32; 3]) -> f32 {
-    luminance(display) as f32
 }
 
 #[cfg(test)]

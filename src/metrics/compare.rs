@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use serde::Serialize;
 
-use super::colour::display_luminance;
+use super::colour::luminance;
 use super::differences::{Blocks, Luminances, MeanErrors, p95};
 use super::error::MetricsError;
 use super::flip::Flip;
@@ -73,7 +73,7 @@ pub struct LuminanceMetrics {
 impl LuminanceMetrics {
     fn of(display: &[[f32; 3]], reference: &[[f32; 3]], size: [usize; 2]) -> Self {
         let [image, reference] = [display, reference]
-            .map(|pixels| pixels.iter().map(|&pixel| [display_luminance(pixel); 3]).collect::<Vec<_>>());
+            .map(|pixels| pixels.iter().map(|&pixel| [luminance(pixel) as f32; 3]).collect::<Vec<_>>());
         Self { rmse: MeanErrors::of(&image, &reference).mse.sqrt(), ssim: ssim(&image, &reference, size) }
     }
 }

@@ -1,6 +1,6 @@
 //! A picture to compare.
 
-use super::colour::{display_luminance, linear_to_srgb, luminance, srgb_to_linear};
+use super::colour::{linear_to_srgb, luminance, srgb_to_linear};
 use super::error::MetricsError;
 
 /// The encoding of a picture's values.
@@ -112,7 +112,7 @@ impl Image {
 
     /// Display luminance, 0 to 1.
     pub(super) fn display_luminances(&self, exposure: f32) -> Vec<f64> {
-        self.display(exposure).into_iter().map(|pixel| display_luminance(pixel).into()).collect()
+        self.display(exposure).into_iter().map(luminance).collect()
     }
 
     fn mapped(&self, map: impl Fn(f32) -> f32) -> Vec<[f32; 3]> {
