@@ -288,8 +288,8 @@ fn black_at_the_edge(gpu: &GpuFixture, scene: &Arc<Scene>) -> [usize; 2] {
 fn what_a_turning_camera_brings_in_is_not_black() {
     let Some(gpu) = GpuFixture::open() else { return };
     let assets = assets();
-    let classroom = assets.map(|assets| named_scene("classroom", Some(&assets)));
-    let scenes = [Some(scene(HALL)), classroom];
+    let named = |name| assets.as_ref().map(|assets| named_scene(name, Some(assets)));
+    let scenes = [Some(scene(HALL)), named("classroom"), named("living-room")];
     for scene in scenes.into_iter().flatten() {
         let [black, all] = black_at_the_edge(&gpu, &scene);
         eprintln!("{}: {black} of {all} pixels are black", scene.name);

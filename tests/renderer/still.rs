@@ -53,13 +53,18 @@ fn check(settings: &Settings) {
 
 /// The picture that freezes is the same whatever came before: motion of a light, of instance 1 and of the camera, rests, other settings.
 pub(super) fn check_stillness(scene: &Arc<Scene>, settings: &Settings) {
+    check_stillness_from(scene, settings, |rest| moved(rest, 4));
+}
+
+/// The same with a renderer that is made for the pose `first` gives of the rest pose.
+pub(super) fn check_stillness_from(scene: &Arc<Scene>, settings: &Settings, first: impl Fn(&Pose) -> Pose) {
     let Some(gpu) = GpuFixture::open() else { return };
     let rest = scene.pose(0.0);
     let expected = frozen(&mut gpu.renderer(scene, settings, &rest), &rest);
     assert!(expected.colour.iter().flatten().all(|channel| channel.is_finite() && *channel >= 0.0));
     // After motion, for numbers of frames that no round divides, with exposure on its way.
     for frames in [1, 7] {
-        let mut renderer = gpu.renderer(scene, settings, &rest);
+        let mut renderer = gpu.renderer(scene, settings, &first(&rest));
         for frame in 0..frames {
             renderer.set_exposure_pace(0.1);
             renderer.render(&moved(&rest, frame)).unwrap();
