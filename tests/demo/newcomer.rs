@@ -107,8 +107,8 @@ fn the_keyboard_reaches_the_panel_and_comes_back() {
     let Some(server) = XServer::open() else { return };
     let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("F6", "toggle-keyboard");
-    // Scene, three methods, T = 1.
-    for _ in 0..4 {
+    // Scene, three methods, denoiser, T = 1.
+    for _ in 0..5 {
         demo.input(&["key", "Tab"]);
     }
     demo.screen().keep("28-keyboard");
@@ -117,7 +117,7 @@ fn the_keyboard_reaches_the_panel_and_comes_back() {
     let set = demo.wait_after(seen, "one set", |event| is_action(event, "set"));
     assert_eq!(set["details"]["set"]["temporal_sets"], 1);
     // The last widget is the header of the last section.
-    for _ in 0..5 {
+    for _ in 0..6 {
         demo.input(&["key", "shift+Tab"]);
     }
     let seen = demo.now();
