@@ -72,13 +72,15 @@ impl Demo<'_> {
         self.drag([x, y], [x + way, y]);
     }
 
-    /// The centre of a widget of the panel, once the layout is stationary.
+    /// The centre of a widget of the panel, once the layout is stationary. Another scene may move the widgets, but only in
+    /// the frames after its event.
     fn place(&mut self, name: &str) -> [i32; 2] {
         let mut rect = None;
         wait_until(name, || {
             let events = self.events();
             let layout = events.iter().rposition(|event| event["event"] == "layout").unwrap();
-            let frames = events[layout..].iter().filter(|event| is_frame(event)).count();
+            let scene = events.iter().rposition(|event| event["event"] == "scene").unwrap_or(0);
+            let frames = events[layout.max(scene)..].iter().filter(|event| is_frame(event)).count();
             rect = events[layout]["details"][name].as_array().cloned();
             // The frame of the layout itself counts as well.
             frames > STATIONARY && rect.is_some()
