@@ -2,16 +2,21 @@
 
 import json
 
-# One path a pixel and frame, or VPLs; TAA is off, so that the denoisers alone are compared.
-PATHS = ["--indirect", "paths"]
+# One path a pixel and frame, or VPLs; TAA is off but where it is named, so that the denoisers alone are compared. All direct light is
+# part of the paths, but where it is named apart.
+PATHS = ["--indirect", "paths", "--direct", "paths"]
 METHODS = {
     "paths, noisy": [*PATHS, "--denoise", "none"],
     "paths, accumulation alone": [*PATHS, "--denoise", "svgf", "--indirect-svgf-levels", 0],
     "paths, a-trous alone": [*PATHS, "--denoise", "svgf", "--svgf-history", 1],
     **{f"paths, SVGF, {levels} levels": [*PATHS, "--denoise", "svgf", "--indirect-svgf-levels", levels] for levels in [1, 2, 3, 5]},
     "paths, SVGF": [*PATHS, "--denoise", "svgf"],
+    "paths, SVGF, direct light apart": [*PATHS, "--denoise", "svgf", "--direct", "soft"],
+    "paths, SVGF, TAA": [*PATHS, "--denoise", "svgf", "--antialiasing", "taa"],
     "paths, BMFR": [*PATHS, "--denoise", "bmfr"],
+    "paths, BMFR, TAA": [*PATHS, "--denoise", "bmfr", "--antialiasing", "taa"],
     "VPLs": ["--indirect", "vpls"],
+    "VPLs, BMFR": ["--indirect", "vpls", "--denoise", "bmfr"],
     "VPLs, no denoiser": ["--indirect", "vpls", "--denoise", "none"],
 }
 FEATURE_COUNTS = [1, 2, 4, 6, 8, 10, 12, 14]
@@ -25,7 +30,8 @@ camera moves as in H. Flatval, *Denoising Algorithms for Ray Tracing in Real-Tim
 scripts/study-denoisers             # --help lists sections and options
 ```
 
-{device} ({driver}), {size}, {bounces} bounces, no antialiasing. A CPU's ratios are no GPU's: rays cost it more than passes over the picture.
+{device} ({driver}), {size}, {bounces} bounces, no antialiasing unless named; all direct light is part of the paths (`--direct paths`) unless
+it is apart (`--direct soft`). A CPU's ratios are no GPU's: rays cost it more than passes over the picture.
 """
 
 MOTION = """## In motion

@@ -343,9 +343,9 @@ impl Renderer {
         self.anchor
     }
 
-    /// The shadows of direct light in use: hard or soft.
+    /// The method of direct light in use, with the choice made that [`Direct::Auto`] leaves to the lights.
     pub fn direct(&self) -> Direct {
-        if self.resolved.direct == Direct::Hard { Direct::Hard } else { Direct::Soft }
+        if self.resolved.direct == Direct::Auto { Direct::Soft } else { self.resolved.direct }
     }
 
     /// The tracer in use.

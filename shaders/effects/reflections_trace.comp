@@ -130,13 +130,12 @@ void shade(inout Path path, HitSurface hit, ShadingPoint at, uint instance, vec3
     }
 }
 
-// What the GGX lobe reflects of one of the area lights that rays do not meet. Where rays sample direct light of area lights, that has it.
-vec3 invisible_light(ShadingPoint at, ivec2 pixel, uint dimension) {
-    if (frame.area_light_count > 0u) return vec3(0.0);
+// What the GGX lobe reflects of one of the lights from `first` on that rays do not meet.
+vec3 invisible_light(ShadingPoint at, uint first, ivec2 pixel, uint dimension) {
     // Without these, visible ones send nothing.
     at.diffuse = vec3(0.0);
     at.gloss_of_areas = 0.0;
-    ChosenLight chosen = choose_light(at, noise(pixel, dimension).x, frame.light_count, frame.all_area_lights);
+    ChosenLight chosen = choose_light(at, noise(pixel, dimension).x, first, frame.light_count + frame.area_light_count - first);
     if (chosen.probability == 0.0) return vec3(0.0);
     vec3 origin = ray_origin(at.surface);
     return sampled_radiance(at, chosen, sample_light(chosen.index, at, origin, noise(pixel, dimension + 1u)), origin);
@@ -152,14 +151,16 @@ struct FirstHit {
     vec3 geometric;
 };
 
-Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, out FirstHit first) {
+// `first_light`: of those whose light on the visible surface no other pass adds.
+Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, uint first_light, out FirstHit first) {
     first = FirstHit(false, 0u, 1e4 * frame.eye.w, vec3(0.0), vec3(0.0), vec3(0.0));
     ShadingPoint at = visible;
     RayCone cone = RayCone(push.spread * at.surface.depth, push.spread);
     for (uint depth = 0u; depth < DEPTH && path.throughput != vec3(0.0); depth++) {
         uint dimension = FIRST_DIMENSION + depth * DIMENSIONS;
         if (depth == 0u) path.throughput /= max(at.reflection.reflected, vec3(1e-4));
-        path.radiance += path.throughput * invisible_light(at, pixel, INVISIBLE_DIMENSION + 2u * depth);
+        path.radiance += path.throughput * invisible_light(at, first_light, pixel, INVISIBLE_DIMENSION + 2u * depth);
+        first_light = frame.direct_lights;
         Sampled sampled = sample_reflected(at.reflection, noise(pixel, dimension));
         float cosine = dot(at.surface.shading, sampled.direction);
         if (sampled.density == 0.0 || cosine <= 0.0) break;
@@ -307,6 +308,7 @@ void main() {
     Path path = new_path();
     ShadingPoint begins = seen.at;
     vec3 scale = vec3(1.0);
+    uint first_light = frame.direct_lights;
     bool is_thin = false, is_traced = true;
     vec3 before = HAS_THIN_SURFACES ? imageLoad(thin_mirrored, pixel).rgb : vec3(0.0);
     Seen thin;
@@ -320,6 +322,7 @@ void main() {
         if (begins_before) {
             path = from_thin;
             begins = thin.at;
+            first_light = max(first_light, frame.light_count);
         }
         is_thin = share >= 0.5;
         is_traced = is_thin == begins_before;
@@ -331,7 +334,7 @@ void main() {
     SeenImage image = SeenImage(surface.position, surface.depth, surface.shading, surface.geometric, seen.instance);
     if (seen.mirrors) {
         FirstHit first;
-        path = trace_path(pixel, path, begins, first);
+        path = trace_path(pixel, path, begins, first_light, first);
         path.record.weight *= scale;
         // What another surface than the one that is seen mirrors says nothing of its image.
         if (!is_traced) first = FirstHit(false, 0u, 0.0, vec3(0.0), vec3(0.0), vec3(0.0));

@@ -13,11 +13,11 @@ struct FrameUniforms {
     uint noise_frame;              // number of the frame in the sequence of random numbers
     vec2 jitter;                   // from the middle of a pixel to where it is sampled, pixels
     uint seed;                     // of random numbers
-    uint area_light_count;         // whose direct light rays sample
+    uint direct_lights;            // from the first one on, whose direct light is `direct`; estimators sample the others
     float reflection_limit;        // roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never
     float footprint;               // what of a pixel's width textures are averaged over
     uint tone_map;                 // the tone curve
-    uint all_area_lights;          // of the scene
+    uint area_light_count;         // of the scene; in the order of lights they follow the others
 };
 
 layout(set = 0, binding = 0, std140) uniform FrameBlock { FrameUniforms data; } frame_uniforms;

@@ -23,8 +23,8 @@ ChosenLight choose_light(ShadingPoint point, float pick, uint first, uint count)
     return ChosenLight(choice.kept, choice.sum > 0.0 ? choice.weight / choice.sum : 0.0, all);
 }
 
-// One of all whose direct light is sampled.
-ChosenLight choose_light(ShadingPoint point, float pick) { return choose_light(point, pick, 0u, sampled_lights()); }
+// One of those whose direct light is `direct`.
+ChosenLight choose_light(ShadingPoint point, float pick) { return choose_light(point, pick, 0u, frame.direct_lights); }
 
 // A point of a light.
 struct LightSample {

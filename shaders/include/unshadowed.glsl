@@ -71,5 +71,3 @@ vec3 unshadowed_radiance(uint index, ShadingPoint point) {
     float spread = max(facing, 0.02) / (distance * distance + radius * radius);
     return light.power.rgb * spread * lobe_response(point, to_light, sine, inside, gloss_of(light, point));
 }
-
-uint sampled_lights() { return frame.light_count + frame.area_light_count; }

@@ -11,8 +11,10 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// Lights arrive by `shadow`, or by `direct_shadows`.
-layout(constant_id = 1) const bool SOFT_SHADOWS = false;
+// Lights arrive by `direct_shadows`, by `shadow`, or with the irradiance of the estimator.
+layout(constant_id = 1) const uint SHADOWS = 0u;
+const uint HARD = 0u;
+const uint SOFT = 1u;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
@@ -46,7 +48,7 @@ vec3 hard_shadowed(ShadingPoint point, ivec2 pixel) {
 // Of all lights, behind soft ones.
 vec3 soft_shadowed(ShadingPoint point, ivec2 pixel) {
     vec3 radiance = vec3(0.0);
-    for (uint i = 0u; i < sampled_lights(); i++) radiance += unshadowed_radiance(i, point);
+    for (uint i = 0u; i < frame.direct_lights; i++) radiance += unshadowed_radiance(i, point);
     return radiance * imageLoad(shadow, pixel).rgb;
 }
 
@@ -56,7 +58,9 @@ const float SHARE_OF_LIGHTS = 1.0 / 16.0;
 vec4 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {
     ShadingPoint point = shading_point_at(pixel, id);
     specular = point.is_glossy ? point.reflection.reflected : vec3(0.0);
-    vec3 lit = SOFT_SHADOWS ? soft_shadowed(point, pixel) : hard_shadowed(point, pixel);
+    vec3 lit = vec3(0.0);
+    if (SHADOWS == HARD) lit = hard_shadowed(point, pixel);
+    else if (SHADOWS == SOFT) lit = soft_shadowed(point, pixel);
     vec3 emission = unpack_emission(texelFetch(gbuffer_surface, pixel, 0).y);
     return vec4(emission + lit, emission == vec3(0.0) ? 1.0 : SHARE_OF_LIGHTS);
 }

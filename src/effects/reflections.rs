@@ -69,7 +69,7 @@ struct MirrorImage {
 
 /// Whether reflections are traced: with `auto`, in scenes where a surface may be glossy enough.
 pub fn traces_reflections(scene: &Scene, settings: &Settings) -> bool {
-    let limit = settings.effects.reflection_roughness;
+    let limit = settings.reflection_roughness();
     match settings.reflections {
         Wanted::None => false,
         Wanted::Rays => true,
@@ -111,7 +111,7 @@ impl Reflections {
                 reprojected: image("image_reprojected", halves)?,
             },
             denoiser: make_denoiser(device, Use::Reflections, settings)?,
-            limit: settings.effects.reflection_roughness,
+            limit: settings.reflection_roughness(),
         })
     }
 

@@ -56,16 +56,16 @@ pub struct FrameUniforms {
     pub jitter: Vec2,
     /// Of random numbers.
     pub seed: u32,
-    /// Area lights whose direct light rays sample.
-    pub area_light_count: u32,
+    /// Lights, from the first one on, whose direct light is `direct`; estimators sample the others.
+    pub direct_lights: u32,
     /// Roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never.
     pub reflection_limit: f32,
     /// What of a pixel's width textures are averaged over.
     pub footprint: f32,
     /// The tone curve: see [`ToneMap`](crate::settings::ToneMap).
     pub tone_map: u32,
-    /// Area lights of the scene.
-    pub all_area_lights: u32,
+    /// Area lights of the scene, which follow the others in the order of lights.
+    pub area_light_count: u32,
 }
 
 /// A placed mesh; `InstanceData` in shaders/include/scene.glsl.
@@ -260,11 +260,11 @@ pub(crate) mod tests {
             noise_frame,
             jitter,
             seed,
-            area_light_count,
+            direct_lights,
             reflection_limit,
             footprint,
             tone_map,
-            all_area_lights
+            area_light_count
         );
     }
 

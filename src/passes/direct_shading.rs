@@ -19,6 +19,19 @@ pub enum Shadows<'a> {
         /// By the rays of the frame alone.
         sampled: &'a Image,
     },
+    /// Nothing: the estimator has their light.
+    None,
+}
+
+/// Variants of the shader; their numbers have twins in shaders/passes/direct_shading.comp.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum DirectShader {
+    /// For [`Shadows::Hard`].
+    Hard,
+    /// For [`Shadows::Soft`].
+    Soft,
+    /// For [`Shadows::None`].
+    Unlit,
 }
 
 /// The pass.
@@ -33,18 +46,18 @@ pub struct DirectShadingPass {
 }
 
 impl DirectShadingPass {
-    /// Makes the pipeline, for a scene with thin surfaces or without, hard shadows or soft ones, and the images, of `extent` texels.
+    /// Makes the pipeline, for a scene with thin surfaces or without, and the images, of `extent` texels.
     pub fn new(
         device: &Arc<Device>,
         thin_surfaces: bool,
-        soft: bool,
+        shader: DirectShader,
         extent: [u32; 2],
     ) -> Result<Self, VulkanError> {
-        let (shader, constants) = (shaders::DIRECT_SHADING_COMP, [thin_surfaces, soft].map(u32::from));
-        let pipeline = ComputePipeline::specialised(device, "direct_shading", shader, &constants)?;
+        let (spirv, constants) = (shaders::DIRECT_SHADING_COMP, [u32::from(thin_surfaces), shader as u32]);
+        let pipeline = ComputePipeline::specialised(device, "direct_shading", spirv, &constants)?;
         let image = |name| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
         let (direct, specular_albedo) = (image("direct")?, image("specular_albedo")?);
-        let raw = soft.then(|| image("raw direct")).transpose()?;
+        let raw = (shader == DirectShader::Soft).then(|| image("raw direct")).transpose()?;
         let no_mask = storage_image_array(device, "no shadow mask", vk::Format::R32_UINT, [1, 1], 1)?;
         Ok(Self { pipeline, direct, specular_albedo, no_mask, raw })
     }
@@ -92,10 +105,11 @@ impl DirectShadingPass {
         direct: &Image,
     ) -> Result<(), VulkanError> {
         let gbuffer = inputs.gbuffer;
-        // What the other kind of shadow would read is bound, and not read.
+        // What other kinds of shadows would read is bound, and not read.
         let (mask, shadow) = match shadows {
             Shadows::Hard(mask) => (mask, &gbuffer.albedo),
             Shadows::Soft { denoised, .. } => (&self.no_mask, denoised),
+            Shadows::None => (&self.no_mask, &gbuffer.albedo),
         };
         inputs
             .bind(frame.pass("direct_shading", &self.pipeline))

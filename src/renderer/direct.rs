@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::effects::soft_shadows::SoftShadows;
 use crate::estimators;
 use crate::gpu_scene::tracer::TracerVariant;
-use crate::passes::direct_shading::{DirectShadingPass, Shadows};
+use crate::passes::direct_shading::{DirectShader, DirectShadingPass, Shadows};
 use crate::passes::direct_shadows::DirectShadowsPass;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::thin_surfaces::ThinSurfacesPass;
@@ -30,6 +30,8 @@ pub(super) enum ShadowPasses {
     Hard(Box<DirectShadowsPass>),
     /// To a random point of one.
     Soft(Box<SoftShadows>),
+    /// The estimator's.
+    Estimator,
 }
 
 /// What direct light needs besides the inputs of the frame.
@@ -48,13 +50,18 @@ impl DirectPasses {
     ) -> Result<Self, VulkanError> {
         let thin_surfaces =
             tracer.thin_surfaces.then(|| ThinSurfacesPass::new(device, tracer, settings.size));
-        let soft = settings.direct != Direct::Hard;
-        let shadows = if soft {
-            ShadowPasses::Soft(Box::new(SoftShadows::new(device, tracer, settings)?))
-        } else {
-            ShadowPasses::Hard(Box::new(DirectShadowsPass::new(device, tracer, settings.size)?))
+        let (shadows, shader) = match settings.direct {
+            Direct::Hard => {
+                let pass = DirectShadowsPass::new(device, tracer, settings.size)?;
+                (ShadowPasses::Hard(Box::new(pass)), DirectShader::Hard)
+            }
+            Direct::Auto | Direct::Soft => {
+                let effect = SoftShadows::new(device, tracer, settings)?;
+                (ShadowPasses::Soft(Box::new(effect)), DirectShader::Soft)
+            }
+            Direct::Paths => (ShadowPasses::Estimator, DirectShader::Unlit),
         };
-        let shading = DirectShadingPass::new(device, tracer.thin_surfaces, soft, settings.size)?;
+        let shading = DirectShadingPass::new(device, tracer.thin_surfaces, shader, settings.size)?;
         Ok(Self { shadows, shading, thin_surfaces: thin_surfaces.transpose()? })
     }
 
@@ -62,11 +69,12 @@ impl DirectPasses {
     pub fn visibility(&self) -> &Image {
         match &self.shadows {
             ShadowPasses::Hard(pass) => pass.output(),
-            ShadowPasses::Soft(_) => self.shading.no_mask(),
+            ShadowPasses::Soft(_) | ShadowPasses::Estimator => self.shading.no_mask(),
         }
     }
 
-    /// What lights send straight to the visible surfaces and to the thin surfaces before these; with soft shadows area lights, too.
+    /// What lights send straight to the visible surfaces, unless the estimator has it, and to the thin surfaces before these; with soft
+    /// shadows area lights, too.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -82,6 +90,7 @@ impl DirectPasses {
                 effect.record(frame, inputs)?;
                 Shadows::Soft { denoised: effect.output(), sampled: effect.noisy() }
             }
+            ShadowPasses::Estimator => Shadows::None,
         };
         self.shading.record(frame, inputs, shadows)?;
         match &self.thin_surfaces {

@@ -66,7 +66,7 @@ impl Renderer {
             self.reports = reports;
             self.estimator = estimator;
         }
-        let denoiser_of = |of: &Settings| (of.indirect, of.size, of.effects.denoise, of.svgf);
+        let denoiser_of = |of: &Settings| (of.indirect, of.size, of.effects.denoise, of.svgf, of.bmfr);
         if denoiser_of(settings) != denoiser_of(&self.resolved) {
             self.indirect_denoiser = indirect_denoiser(&device, &*self.estimator, settings)?;
         }

@@ -2,8 +2,8 @@
 
 use super::registered::registered;
 use super::setting::settings;
-use super::value::{choice, choices, number, whole};
-use super::{Direct, Reflections, Settings};
+use super::value::{Kind, choice, choices, number, whole};
+use super::{Direct, Indirect, Reflections, Settings};
 
 registered! {
     /// The values of `--denoise`: names of the denoisers, which register themselves in `denoise/mod.rs`.
@@ -41,9 +41,20 @@ settings! {
     /// Reflections of reflections: how many glossy surfaces a ray follows. More: mirrors in mirrors, at as many times more rays
     /// where there are any.
     "reflection_depth" reflection_depth: u32 = 2, whole("N", 1, 8);
-    /// Roughness up to which surfaces mirror; rougher ones blend smoothly into their mean irradiance. More: truer rough surfaces,
-    /// more rays.
-    "reflection_roughness" reflection_roughness: f32 = 0.6, number("ROUGHNESS", 0.0, 1.0);
+    /// Roughness up to which surfaces mirror; rougher ones blend smoothly into their mean irradiance; auto: 1 with --indirect paths,
+    /// else 0.6. More: truer rough surfaces, more rays.
+    "reflection_roughness" reflection_roughness: Option<f32> = None, Kind::Auto(&ROUGHNESS);
+}
+
+/// The range of roughness.
+const ROUGHNESS: Kind = number("ROUGHNESS", 0.0, 1.0);
+
+impl Settings {
+    /// Roughness up to which surfaces mirror. The paths of glossy surfaces are those of reflections.
+    pub(crate) fn reflection_roughness(&self) -> f32 {
+        let auto = if self.indirect == Indirect::PATHS { 1.0 } else { 0.6 };
+        self.effects.reflection_roughness.unwrap_or(auto)
+    }
 }
 
 /// Whether frames have soft shadows or, in scenes with glossy surfaces, reflections.

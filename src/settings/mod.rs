@@ -49,6 +49,8 @@ pub enum Direct {
     Hard,
     /// Soft shadows of lights with an extent: one ray a pixel, to a random point of the lights, denoised.
     Soft,
+    /// Part of the light of --indirect paths, noisy and denoised with it. Highlights of lights without a mesh are part of reflections.
+    Paths,
 }
 
 /// Where the light comes from that glossy surfaces mirror.

@@ -60,7 +60,7 @@ fn a_mirror_shows_the_light_of_vpls() {
     for (roughness, bounces) in [(0.0, 1), (0.3, 1), (0.0, 2), (0.3, 2)] {
         let scene = room(roughness);
         let effects =
-            EffectSettings { denoise: Denoise::NONE, reflection_roughness: 1.0, ..Default::default() };
+            EffectSettings { denoise: Denoise::NONE, reflection_roughness: Some(1.0), ..Default::default() };
         let vpl = VplSettings { slots: 1024, pool: 1024, budget: 1024, temporal_sets: 4, ..exact(size).vpl };
         let settings = Settings { bounces, vpl, effects, reflections: Reflections::Rays, ..exact(size) };
         let picture = gpu.rendered(&scene, &settings, 1).read_picture(true).unwrap();
@@ -178,7 +178,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
             (settings.effects.reflection_depth, settings.effects.noise) = (1, Noise::White);
         }),
         ("limit and shadows", |settings| {
-            (settings.effects.reflection_roughness, settings.direct) = (0.2, Direct::Hard);
+            (settings.effects.reflection_roughness, settings.direct) = (Some(0.2), Direct::Hard);
         }),
         ("denoiser", |settings| settings.effects.denoise = Denoise::NONE),
     ];
@@ -204,9 +204,10 @@ fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
     let Some(gpu) = GpuFixture::open() else { return };
     let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);
     let base = Settings { direct, antialiasing, ..all_in_use() };
-    let reflected = |roughness: f32, reflections, reflection_roughness| {
+    let reflected = |roughness: f32, reflections, limit: f32| {
         let scene = stage(&format!("albedo = [0.9, 0.9, 0.9], roughness = {roughness}, metallic = 1"), SKY);
-        let effects = EffectSettings { denoise: Denoise::NONE, reflection_roughness, ..base.effects };
+        let effects =
+            EffectSettings { denoise: Denoise::NONE, reflection_roughness: Some(limit), ..base.effects };
         let settings = Settings { reflections, effects, ..base.clone() };
         gpu.mean_of_frames(&scene, &settings, 48, |picture| layer(picture, "reflected"))
     };

@@ -6,7 +6,9 @@ use glam::Vec3;
 use glowworm::gpu_scene::tracer::RayTracer;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Environment, Scene};
-use glowworm::settings::{Denoise, EffectSettings, Indirect, PathSettings, Settings, TracerKind};
+use glowworm::settings::{
+    Denoise, Direct, EffectSettings, Indirect, PathSettings, Reflections, Settings, TracerKind,
+};
 
 use super::environment::sky;
 use super::reference::reference;
@@ -62,6 +64,17 @@ fn corner(lights: &str) -> Arc<Scene> {
     ))
 }
 
+const LAMP: &str = r#"
+    [[models]]
+    name = "lamp"
+    primitive = "box"
+    size = [0.4, 0.1, 0.4]
+    material = { albedo = [0.2, 0.2, 0.2], emission = [6, 5, 4] }
+    [[instances]]
+    model = "lamp"
+    translation = [0.6, 1.5, 0.6]
+"#;
+
 /// Mean luminance of each block of pixels.
 fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
     let side = SIDE as usize;
@@ -76,13 +89,18 @@ fn check(gpu: &GpuFixture, tracer: TracerKind, name: &str, scene: &Arc<Scene>) {
     let settings = Settings { tracer, ..noisy() };
     let drawn = gpu.mean_of_frames(scene, &settings, FRAMES, |picture| layer(picture, "indirect"));
     let expected = layer(&reference(scene, settings.size, settings.bounces, 2048), "indirect");
+    compare_blocks(name, &drawn, &expected, [0.01, 0.03]);
+}
+
+/// The mean is off by less than the first of `limits`, and nine blocks in ten by less than the second.
+fn compare_blocks(name: &str, drawn: &[[f32; 3]], expected: &[[f32; 3]], limits: [f32; 2]) {
     let ratio = mean(drawn.iter().map(luminance)) / mean(expected.iter().map(luminance));
     let errors: Vec<f32> =
-        blocks(&drawn).iter().zip(blocks(&expected)).map(|(now, then)| (now / then - 1.0).abs()).collect();
+        blocks(drawn).iter().zip(blocks(expected)).map(|(now, then)| (now / then - 1.0).abs()).collect();
     let most = quantile(errors, 0.9);
     println!("{name}: mean {ratio}, blocks within {most}");
-    assert!((ratio - 1.0).abs() < 0.01, "{name}: the mean is {ratio} of the reference's");
-    assert!(most < 0.03, "{name}: one block in ten is off by more than {most}");
+    assert!((ratio - 1.0).abs() < limits[0], "{name}: the mean is {ratio} of the reference's");
+    assert!(most < limits[1], "{name}: one block in ten is off by more than {most}");
 }
 
 fn check_every_light((tracer, kind): (RayTracer, TracerKind)) {
@@ -100,17 +118,7 @@ fn check_every_light((tracer, kind): (RayTracer, TracerKind)) {
         "directional",
         &light("type = \"directional\"\ndirection = [-0.5, -1, -0.6]\nirradiance = [2, 2, 2]"),
     );
-    let lamp = r#"
-        [[models]]
-        name = "lamp"
-        primitive = "box"
-        size = [0.4, 0.1, 0.4]
-        material = { albedo = [0.2, 0.2, 0.2], emission = [6, 5, 4] }
-        [[instances]]
-        model = "lamp"
-        translation = [0.6, 1.5, 0.6]
-    "#;
-    check("area", &corner(lamp));
+    check("area", &corner(LAMP));
     let under = |environment| Arc::new(Scene { environment: Some(environment), ..(*corner("")).clone() });
     check("constant environment", &under(Environment::constant(Vec3::new(0.5, 0.7, 1.0))));
     check("environment map", &under(sky(0.9)));
@@ -130,6 +138,29 @@ fn every_light_is_that_of_the_reference_with_ray_queries() {
 fn the_cornell_box_is_that_of_the_reference() {
     let Some(gpu) = GpuFixture::open() else { return };
     check(&gpu, TracerKind::Auto, "cornell-box", &named_scene("cornell-box", None));
+}
+
+/// Highlights of lights without a mesh arrive by reflection rays, all other direct light by the paths.
+#[test]
+fn direct_light_of_paths_is_that_of_the_reference() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let settings = Settings { direct: Direct::Paths, reflections: Reflections::Rays, ..noisy() };
+    let scene = corner(
+        r#"
+        [[lights]]
+        type = "point"
+        position = [0.8, 1.6, 0.8]
+        intensity = [4, 4, 4]
+        radius = 0.1
+        [[lights]]
+        type = "directional"
+        direction = [-0.5, -1, -0.6]
+        irradiance = [2, 2, 2]
+        "#,
+    );
+    let drawn = gpu.mean_of_frames(&scene, &settings, FRAMES, |picture| picture.colour.clone());
+    let expected = reference(&scene, settings.size, settings.bounces, 2048).colour;
+    compare_blocks("point and sun", &drawn, &expected, [0.01, 0.04]);
 }
 
 #[test]

@@ -72,7 +72,7 @@ vfov_deg = 40
 pub(super) const SKY: &str = "[environment]\ncolour = [0.2, 0.3, 0.5]\n";
 
 pub(super) fn settings(denoise: Denoise) -> Settings {
-    let effects = EffectSettings { denoise, reflection_roughness: 1.0, ..EffectSettings::default() };
+    let effects = EffectSettings { denoise, reflection_roughness: Some(1.0), ..EffectSettings::default() };
     let (direct, reflections) = (Direct::Soft, Reflections::Rays);
     Settings { size: SIZE, indirect: Indirect::NONE, direct, reflections, effects, ..plain() }
 }
@@ -247,7 +247,8 @@ fn a_mirror_in_a_mirror_takes_a_second_ray() {
 fn reflections_are_traced_where_something_is_glossy() {
     let Some(gpu) = GpuFixture::open() else { return };
     let auto = Settings { reflections: Reflections::Auto, ..settings(Denoise::SVGF) };
-    let auto = Settings { effects: EffectSettings { reflection_roughness: 0.6, ..auto.effects }, ..auto };
+    let auto =
+        Settings { effects: EffectSettings { reflection_roughness: Some(0.6), ..auto.effects }, ..auto };
     let takes_time = |renderer: &mut Renderer, pose: &Pose| {
         renderer.render(pose).unwrap();
         renderer.finish().unwrap().last().unwrap().figures.passes["reflections_trace"] > 0.0

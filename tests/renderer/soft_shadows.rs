@@ -191,7 +191,7 @@ fn area_lights_count_once_beside_reflections() {
                 .collect();
             let plain = settings(Denoise::NONE);
             let effects =
-                EffectSettings { reflection_roughness: limit, reflection_depth: 1, ..plain.effects };
+                EffectSettings { reflection_roughness: Some(limit), reflection_depth: 1, ..plain.effects };
             let settings = Settings { effects, reflections: Reflections::Rays, ..plain };
             let ours = gpu.mean_of_frames(&scene, &settings, 128, |picture| picture.colour.clone());
             assert_agree(&format!("{what}, mirrored by {share}"), &ours, &expected);

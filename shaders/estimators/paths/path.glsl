@@ -15,10 +15,7 @@ vec2 path_noise(ivec2 pixel, uint frame_index, uint dimension, uint bounce) {
 // What a diffuse bounce widens a ray cone by, radians: little, so that textures keep their detail where surfaces are near.
 const float DIFFUSE_SPREAD = 0.1;
 
-// The first light whose light on the visible surface no other pass knows.
-uint first_indirect_light() { return sampled_lights(); }
-
-uint environment_light() { return frame.light_count + frame.all_area_lights; }
+uint environment_light() { return frame.light_count + frame.area_light_count; }
 
 // Luminance of about what a light sends to where a path came from, unoccluded.
 float light_weight(uint index, ShadingPoint at) {
@@ -130,7 +127,7 @@ float share_of_emission(ShadingPoint at, Choice chosen, uint first, TracerHit hi
     return share_of_scattered(at, chosen, light, density, scattered);
 }
 
-// Irradiance of a surface, W/m^2, by the lights from `first` on, and by all that other surfaces scatter. `place`: of the path's random
+// Irradiance of a surface, W/m^2, by the lights from `first` on (those before are lit by other passes), and by all that other surfaces scatter. `place`: of the path's random
 // numbers, those of `pixel` in the frame `frame_index`, from the dimension `dimension` on.
 vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uint frame_index, uint dimension, inout uint rays) {
     vec3 radiance = vec3(0.0);
@@ -147,7 +144,7 @@ vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uin
         radiance += throughput * light_of_sample(at, chosen, path_noise(pixel, frame_index, dimension + 2u, bounce), rays);
 
         // The last ray finds emission alone.
-        if (bounce == BOUNCES && frame.all_area_lights == 0u && push.has_environment == 0u) break;
+        if (bounce == BOUNCES && frame.area_light_count == 0u && push.has_environment == 0u) break;
         Scattered scattered = sample_bsdf(at, picks.y, path_noise(pixel, frame_index, dimension, bounce));
         throughput *= scattered.weight;
         if (throughput == vec3(0.0)) break;

@@ -42,7 +42,7 @@ void main() {
         HitRecord hit = unpack_hit(imageLoad(hit_place, pixel), weight);
         Surface surface = Surface(hit.position, hit.shading, hit.geometric, 1.0);
         RayCone cone = RayCone(0.0, push.spread);
-        vec3 light = path_irradiance(surface, cone, first_indirect_light(), pixel, frame.noise_frame, FIRST_DIMENSION, rays);
+        vec3 light = path_irradiance(surface, cone, frame.direct_lights, pixel, frame.noise_frame, FIRST_DIMENSION, rays);
         vec4 before = imageLoad(reflection, pixel);
         imageStore(reflection, pixel, storable(vec4(before.rgb + hit.weight * light, before.a)));
     }

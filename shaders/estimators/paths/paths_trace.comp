@@ -42,7 +42,7 @@ void main() {
         Surface surface = surface_at(pixel);
         RayCone cone = RayCone(push.spread * surface.depth, push.spread);
         for (uint i = 0u; i < (surface.depth > 0.0 ? SAMPLES : 0u); i++) {
-            sum += path_irradiance(surface, cone, first_indirect_light(), pixel, frame.noise_frame * SAMPLES + i, FIRST_DIMENSION, rays);
+            sum += path_irradiance(surface, cone, frame.direct_lights, pixel, frame.noise_frame * SAMPLES + i, FIRST_DIMENSION, rays);
         }
         imageStore(irradiance, pixel, storable(vec4(sum / float(SAMPLES), 1.0)));
     }

@@ -9,7 +9,7 @@ use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::split::RightSide;
 use crate::estimators;
-use crate::settings::Settings;
+use crate::settings::{Direct, Indirect, Settings};
 
 /// Presets that are in the bar, the first ones.
 const QUALITIES: usize = 3;
@@ -112,8 +112,17 @@ fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut 
 
 fn methods(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
     ui.separator();
+    let indirect = settings.indirect;
     method(ui, places, ("method", "Indirect light"), &mut settings.indirect);
     method(ui, places, ("method of direct light", "Direct light"), &mut settings.direct);
+    // Of two that do not go together, the one that was chosen last stays.
+    if settings.direct == Direct::Paths && settings.indirect != Indirect::PATHS {
+        if settings.indirect == indirect {
+            settings.indirect = Indirect::PATHS;
+        } else {
+            settings.direct = Direct::Auto;
+        }
+    }
     method(ui, places, ("method of reflections", "Reflections"), &mut settings.reflections);
     method(ui, places, ("denoiser", "Denoiser"), &mut settings.effects.denoise);
 }
