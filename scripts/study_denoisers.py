@@ -93,7 +93,7 @@ def methods(study):
                    for key in ["luminance_rmse", "luminance_ssim", "flip", "mean_ratio"]},
                 "flip_by_frame": {frame: figures["flip"] for frame, figures in compared.items()},
                 "flicker": statistics.fmean(study_pictures.flicker(pictures[frame], pictures[frame - 1]) for frame in COMPARED),
-                "rays": statistics.fmean(frame["shadow_rays"] for frame in report["frames"][8:]) / math.prod(report["settings"]["size"]),
+                "rays": statistics.fmean(frame.get("shadow_rays", frame.get("rays", 0)) for frame in report["frames"][8:]) / math.prod(report["settings"]["size"]),
                 **stage_ms(report)}
             study.keep("methods", {"size": SIZE, "spp": study.options.spp, "bounces": BOUNCES, "device": report["device"],
                                    "driver": report["driver"], "commit": report["commit"], "rows": rows})

@@ -25,7 +25,7 @@ pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
 pub use indirect::Indirect;
 pub use options::GivenSettings;
-pub use paths::PathSettings;
+pub use paths::{CellNormal, CellSettings, PathFilter, PathSettings};
 pub use svgf::SvgfSettings;
 pub use vpls::{MissingSets, Sequence, VplSettings};
 
@@ -149,17 +149,20 @@ settings! {
         vpl: VplSettings,
         /// Settings of path tracing.
         paths: PathSettings,
+        /// Settings of path-space filters.
+        cells: CellSettings,
     }
 }
 
 /// All groups, the shared one first.
-pub(crate) const GROUPS: [Group; 6] = [
+pub(crate) const GROUPS: [Group; 7] = [
     Settings::GROUP,
     EffectSettings::GROUP,
     SvgfSettings::GROUP,
     BmfrSettings::GROUP,
     VplSettings::GROUP,
     PathSettings::GROUP,
+    CellSettings::GROUP,
 ];
 
 /// Every setting, in the order of the groups.

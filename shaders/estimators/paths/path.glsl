@@ -1,6 +1,6 @@
 // Irradiance by one path: at each vertex one light and one scattered ray estimate the light that arrives, weighted by the power heuristic
 // (Kajiya 1986; Veach 1997, section 9.2). Twin, with the equations: src/reference/path.rs. Needs light_sampling.glsl,
-// environment_sampling.glsl, hit.glsl, noise.glsl and `PathPush push`.
+// environment_sampling.glsl, hit.glsl, noise.glsl, path_vertices.glsl, `PathPush push`, `LEAVES_VERTICES`, `leave_vertex` and `leave_end`.
 
 // Surfaces that scatter light before it arrives, at most.
 layout(constant_id = 2) const uint BOUNCES = 2u;
@@ -127,8 +127,49 @@ float share_of_emission(ShadingPoint at, Choice chosen, uint first, TracerHit hi
     return share_of_scattered(at, chosen, light, density, scattered);
 }
 
-// Irradiance of a surface, W/m^2, by the lights from `first` on (those before are lit by other passes), and by all that other surfaces scatter. `place`: of the path's random
-// numbers, those of `pixel` in the frame `frame_index`, from the dimension `dimension` on.
+// Follows a scattered ray from `at`: adds what it meets to the light that `at` sends back, and goes on to the surface that it meets, if
+// there is one.
+bool scatter(inout ShadingPoint at, Choice chosen, uint first, inout Scattered scattered, inout RayCone cone, inout vec3 light, inout uint rays) {
+    // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling knows none.
+    float below = dot(at.surface.geometric, scattered.direction);
+    if (below <= 0.0) {
+        scattered.direction -= 2.0 * below * at.surface.geometric;
+        scattered.density = 0.0;
+    }
+    cone.spread += scattered.spread;
+    vec3 origin = ray_origin(at.surface);
+    TracerHit hit;
+    rays++;
+    bool met = trace_closest(origin, scattered.direction, 0.0, FAR, hit);
+    if (HAS_THIN_SURFACES) scattered.weight *= trace_transmittance(origin, scattered.direction, 0.0, met ? just_before(hit.t) : FAR);
+    if (!met) {
+        if (push.has_environment == 0u) return false;
+        float share = 1.0;
+        if (push.environment > 0.0) {
+            float density = environment_density(scattered.direction);
+            share = share_of_scattered(at, chosen, environment_light(), density, scattered);
+        }
+        light += scattered.weight * share * environment_radiance(scattered.direction, scattered.mirrors);
+        return false;
+    }
+    HitSurface found = surface_of(hit, scattered.direction, cone);
+    if (found.emission != vec3(0.0)) {
+        light += scattered.weight * found.emission * share_of_emission(at, chosen, first, hit, found, scattered);
+    }
+    cone.width += cone.spread * hit.t;
+    at.surface = Surface(found.position, found.shading, found.geometric, hit.t);
+    at.is_glossy = reflects(found.bsdf);
+    at.reflection = prepare_bsdf(found.bsdf, found.shading, -scattered.direction);
+    at.diffuse = at.reflection.diffuse;
+    return true;
+}
+
+// Over an albedo, 0 where that is 0: nothing is reflected there.
+vec3 over(vec3 light, vec3 albedo) { return mix(light / max(albedo, vec3(1e-6)), vec3(0.0), lessThan(albedo, vec3(1e-6))); }
+
+// Irradiance of a surface, W/m^2, by the lights from `first` on (those before are lit by other passes), and by all that other surfaces
+// scatter. `place`: of the path's random numbers, those of `pixel` in the frame `frame_index`, from the dimension `dimension` on.
+// `leave_vertex` is told of each vertex: irradiance is what would, on a white surface of its albedo, be the light that it sends back.
 vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uint frame_index, uint dimension, inout uint rays) {
     vec3 radiance = vec3(0.0);
     vec3 throughput = vec3(PI);
@@ -138,48 +179,31 @@ vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uin
     at.diffuse = vec3(1.0);
     at.is_glossy = false;
     at.gloss_of_areas = 1.0;
-    for (uint bounce = 0u; bounce <= BOUNCES; bounce++) {
+    vec3 albedo = vec3(1.0);
+    bool goes_on = true;
+    for (uint bounce = 0u; bounce <= BOUNCES && goes_on; bounce++) {
         vec2 picks = path_noise(pixel, frame_index, dimension + 1u, bounce);
         Choice chosen = choose_path_light(at, first, picks.x);
-        radiance += throughput * light_of_sample(at, chosen, path_noise(pixel, frame_index, dimension + 2u, bounce), rays);
+        vec3 light = light_of_sample(at, chosen, path_noise(pixel, frame_index, dimension + 2u, bounce), rays);
+        vec3 next = vec3(0.0), last_albedo = albedo, weight = vec3(0.0);
+        Surface lit = at.surface;
 
-        // The last ray finds emission alone.
-        if (bounce == BOUNCES && frame.area_light_count == 0u && push.has_environment == 0u) break;
-        Scattered scattered = sample_bsdf(at, picks.y, path_noise(pixel, frame_index, dimension, bounce));
-        throughput *= scattered.weight;
-        if (throughput == vec3(0.0)) break;
-        // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling knows none.
-        float below = dot(at.surface.geometric, scattered.direction);
-        if (below <= 0.0) {
-            scattered.direction -= 2.0 * below * at.surface.geometric;
-            scattered.density = 0.0;
-        }
-        cone.spread += scattered.spread;
-        vec3 origin = ray_origin(at.surface);
-        TracerHit hit;
-        rays++;
-        bool met = trace_closest(origin, scattered.direction, 0.0, FAR, hit);
-        if (HAS_THIN_SURFACES) throughput *= trace_transmittance(origin, scattered.direction, 0.0, met ? just_before(hit.t) : FAR);
-        if (!met) {
-            if (push.has_environment == 0u) break;
-            float share = 1.0;
-            if (push.environment > 0.0) {
-                float density = environment_density(scattered.direction);
-                share = share_of_scattered(at, chosen, environment_light(), density, scattered);
+        // The last ray finds emission alone, and the place whose light filters may know.
+        goes_on = bounce < BOUNCES || frame.area_light_count > 0u || push.has_environment == 1u || LEAVES_VERTICES;
+        if (goes_on) {
+            Scattered scattered = sample_bsdf(at, picks.y, path_noise(pixel, frame_index, dimension, bounce));
+            goes_on = scattered.weight != vec3(0.0) && scatter(at, chosen, first, scattered, cone, light, rays);
+            if (goes_on) {
+                weight = scattered.weight;
+                albedo = at.diffuse + (at.is_glossy ? at.reflection.reflected : vec3(0.0));
+                next = over(weight * albedo, last_albedo);
             }
-            radiance += throughput * share * environment_radiance(scattered.direction, scattered.mirrors);
-            break;
         }
-        HitSurface found = surface_of(hit, scattered.direction, cone);
-        if (found.emission != vec3(0.0)) {
-            radiance += throughput * found.emission * share_of_emission(at, chosen, first, hit, found, scattered);
-        }
-        cone.width += cone.spread * hit.t;
-        at.surface = Surface(found.position, found.shading, found.geometric, hit.t);
-        at.is_glossy = reflects(found.bsdf);
-        at.reflection = prepare_bsdf(found.bsdf, found.shading, -scattered.direction);
-        at.diffuse = at.reflection.diffuse;
+        radiance += throughput * light;
+        throughput *= weight;
+        leave_vertex(bounce, PathVertex(lit.position, lit.geometric, over(PI * light, last_albedo), next, VERTEX_LIT));
         first = 0u;
     }
+    leave_end(goes_on, at.surface);
     return radiance;
 }

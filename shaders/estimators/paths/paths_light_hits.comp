@@ -28,6 +28,7 @@ layout(set = 0, binding = 6, rgba32ui) uniform readonly uimage2D hit_place;
 layout(set = 0, binding = 7, rgba16f) uniform readonly image2D hit_weight;
 layout(set = 0, binding = 20, rgba16f) uniform image2D reflection;
 #include "path_push.glsl"
+#include "no_vertices.glsl"
 #include "path.glsl"
 
 // The first ones are those of the paths of visible surfaces.

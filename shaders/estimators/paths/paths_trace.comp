@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Indirect light by path tracing: a few paths a pixel, each from the visible surface. In: the visible surfaces. Out: irradiance.
+// Indirect light by path tracing: a few paths a pixel, each from the visible surface. In: the visible surfaces. Out: irradiance, and the
+// vertices of the paths where a filter asks for them.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -25,10 +26,41 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "environment_sampling.glsl"
 layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D irradiance;
 #include "path_push.glsl"
-#include "path.glsl"
+#define PATH_VERTICES_BINDING 20
+#define PATH_VERTICES_ACCESS writeonly
+#include "path_vertices.glsl"
 
 // Paths a pixel.
 layout(constant_id = 3) const uint SAMPLES = 1u;
+// Vertices of a path that are left to filters.
+layout(constant_id = 4) const uint VERTICES = 0u;
+const bool LEAVES_VERTICES = VERTICES > 0u;
+
+// The first layer of the path.
+uint first_layer;
+
+void store_vertex(uint layer, PathVertex vertex) {
+    ivec3 place = ivec3(gl_GlobalInvocationID.xy, first_layer + layer);
+    imageStore(path_places, place, pack_place(vertex));
+    imageStore(path_lights, place, uvec4(pack_light(vertex), 0u, 0u));
+}
+
+uint left;
+
+void leave_vertex(uint bounce, PathVertex vertex) {
+    if (bounce >= VERTICES) return;
+    store_vertex(bounce, vertex);
+    left = bounce + 1u;
+}
+
+// The vertex after the last one that was lit, if the path met any.
+void leave_end(bool goes_on, Surface surface) {
+    if (left >= VERTICES) return;
+    vec3 none = vec3(0.0);
+    store_vertex(left, PathVertex(surface.position, surface.geometric, none, none, goes_on ? VERTEX_UNLIT : VERTEX_ABSENT));
+}
+
+#include "path.glsl"
 
 // The first ones are those of soft shadows and reflections.
 const uint FIRST_DIMENSION = 20u;
@@ -42,6 +74,8 @@ void main() {
         Surface surface = surface_at(pixel);
         RayCone cone = RayCone(push.spread * surface.depth, push.spread);
         for (uint i = 0u; i < (surface.depth > 0.0 ? SAMPLES : 0u); i++) {
+            first_layer = i * VERTICES;
+            left = 0u;
             sum += path_irradiance(surface, cone, frame.direct_lights, pixel, frame.noise_frame * SAMPLES + i, FIRST_DIMENSION, rays);
         }
         imageStore(irradiance, pixel, storable(vec4(sum / float(SAMPLES), 1.0)));

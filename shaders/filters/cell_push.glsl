@@ -1,0 +1,20 @@
+// Twin: CellPush in src/filters/cells.rs.
+layout(push_constant) uniform CellPush {
+    float spread;      // of a cell, over a distance of 1: its width in pixels times that of a pixel
+    float widening;    // of cells behind the visible surface
+    float jitter;      // in cell widths
+    uint jitters;      // positions that a vertex is moved to
+    uint bits;         // of the normal in the key
+    uint normal;       // CELL_NORMAL_...
+    uint probes;
+    uint levels;       // sizes of cells
+    uint samples;      // paths a pixel
+    uint window;       // frames of the mean; 0: any number
+    uint life;         // frames without samples until a cell is evicted
+    uint depth;        // vertices of a continued path
+    uint view;         // of cells_view
+} push;
+
+const uint CELL_NORMAL_EXACT = 0u;
+const uint CELL_NORMAL_JITTERED = 1u;
+const uint CELL_NORMAL_VERIFICATION = 2u;

@@ -1,0 +1,100 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// Adds the irradiance of vertices to their cells. From a path's end to its beginning: own light, and the albedo of the next vertex times
+// its irradiance, by the cells as they were in the last frame where there are any (Meijer 2019, nHPSF), else by the path itself. In:
+// vertices. Out: sums of cells; the irradiance of each vertex as the path and the cells behind it have it, as its light.
+#include "frame.glsl"
+#include "gbuffer.glsl"
+#include "scene_set.glsl"
+#include "noise.glsl"
+#include "cells.glsl"
+#define CELL_MAP_BINDING 5
+#include "cell_map.glsl"
+#include "cell_push.glsl"
+#include "cell_of_vertex.glsl"
+#include "cell_filter.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
+#include "surface.glsl"
+layout(set = 0, binding = 3, rgba16f) uniform readonly image2D irradiance;
+#include "cell_counters.glsl"
+#define PATH_VERTICES_BINDING 20
+#define PATH_VERTICES_ACCESS
+#include "path_vertices.glsl"
+
+const uint INSERTS = 0u;
+const uint READS = 8u;
+
+PathVertex vertex_at(ivec2 pixel, uint layer) {
+    ivec3 place = ivec3(pixel, layer);
+    return unpack_vertex(imageLoad(path_places, place), imageLoad(path_lights, place).xy);
+}
+
+void insert(PathVertex vertex, vec3 light, bool is_visible, ivec2 pixel, uint k) {
+    for (uint i = 0u; i < push.jitters; i++) {
+        vec3 random = jitter_of(pixel, k, INSERTS + i);
+        for (uint level = 0u; level < push.levels; level++) {
+            CellKey key = cell_of(vertex.position, vertex.normal, is_visible, random, CACHE ? 0.5 + 0.5 * random.z : 0.0, level);
+            uint slot = claim_cell(key, push.probes);
+            if (slot == NO_SLOT) count_cells(CELLS_DROPPED, 1u);
+            else add_to_cell(slot, light);
+        }
+    }
+}
+
+// Of a vertex's irradiance and whether it is known: by its cell, if the way to it is long enough, else what the path has found.
+void look_up(PathVertex vertex, float way, ivec2 pixel, uint k, inout vec3 light, inout bool is_known) {
+    if (vertex.state == VERTEX_ABSENT || k < FIRST || FIRST == LAST) return;
+    if (CACHE && way < cell_width(vertex.position, false)) return;
+    vec4 mean = read_cells(vertex.position, vertex.normal, false, pixel, k, READS, CACHE);
+    if (mean.a == 0.0) return;
+    light = mean.rgb;
+    is_known = true;
+}
+
+// A run of vertices, one behind the other, from layer `first` on.
+void insert_path(ivec2 pixel, uint first, uint count) {
+    vec3 behind = vec3(0.0);
+    bool is_known = true;
+    vec3 position = vec3(0.0);
+    for (uint i = count; i-- > 0u;) {
+        uint layer = first + i;
+        PathVertex vertex = vertex_at(pixel, layer);
+        if (vertex.state == VERTEX_ABSENT) continue;
+        if (vertex.state == VERTEX_UNLIT) {
+            behind = vec3(0.0);
+            is_known = false;
+        } else {
+            vec3 light = vertex.light + vertex.next * behind;
+            bool is_complete = is_known || vertex.next == vec3(0.0);
+            if (is_complete && i >= FIRST && i <= LAST) insert(vertex, light, layer == 0u, pixel, layer);
+            vertex.light = light;
+            imageStore(path_lights, ivec3(pixel, layer), uvec4(pack_light(vertex), 0u, 0u));
+            // What the path itself has found is as long as the path.
+            behind = light;
+            is_known = true;
+        }
+        if (i == 0u) break;
+        float way = distance(vertex.position, vertex_at(pixel, layer - 1u).position);
+        look_up(vertex, way, pixel, layer, behind, is_known);
+    }
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    Surface surface = surface_at(pixel);
+    if (surface.depth == 0.0 || push.probes == 0u) return;
+    if (VERTICES == 0u) {
+        vec3 none = vec3(0.0);
+        PathVertex visible = PathVertex(surface.position, surface.geometric, none, none, VERTEX_LIT);
+        insert(visible, imageLoad(irradiance, pixel).rgb, true, pixel, 0u);
+        return;
+    }
+    for (uint i = 0u; i < push.samples; i++) insert_path(pixel, i * VERTICES, VERTICES);
+    if (CONTINUED > 0u) insert_path(pixel, push.samples * VERTICES, CONTINUED);
+}
