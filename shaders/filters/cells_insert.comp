@@ -47,10 +47,9 @@ void insert(PathVertex vertex, vec3 light, bool is_visible, ivec2 pixel, uint k)
 }
 
 // Of a vertex's irradiance and whether it is known: by its cell, if the way to it is long enough, else what the path has found.
-void look_up(PathVertex vertex, float way, ivec2 pixel, uint k, inout vec3 light, inout bool is_known) {
-    if (vertex.state == VERTEX_ABSENT || k < FIRST || FIRST == LAST) return;
+void look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, inout vec3 light, inout bool is_known) {
     if (CACHE && way < cell_width(vertex.position, false)) return;
-    vec4 mean = read_cells(vertex.position, vertex.normal, false, pixel, k, READS, CACHE);
+    vec4 mean = read_cells(vertex.position, vertex.normal, false, pixel, layer, READS, CACHE);
     if (mean.a == 0.0) return;
     light = mean.rgb;
     is_known = true;
@@ -59,26 +58,25 @@ void look_up(PathVertex vertex, float way, ivec2 pixel, uint k, inout vec3 light
 // A run of vertices, one behind the other, from layer `first` on.
 void insert_path(ivec2 pixel, uint first, uint count) {
     vec3 behind = vec3(0.0);
-    bool is_known = true;
-    vec3 position = vec3(0.0);
+    bool is_known = false;
+    bool is_continued = first >= push.samples * VERTICES;
     for (uint i = count; i-- > 0u;) {
         uint layer = first + i;
         PathVertex vertex = vertex_at(pixel, layer);
         if (vertex.state == VERTEX_ABSENT) continue;
         if (vertex.state == VERTEX_UNLIT) {
             behind = vec3(0.0);
-            is_known = false;
         } else {
             vec3 light = vertex.light + vertex.next * behind;
             bool is_complete = is_known || vertex.next == vec3(0.0);
-            if (is_complete && i >= FIRST && i <= LAST) insert(vertex, light, layer == 0u, pixel, layer);
+            if (is_complete && i >= FIRST && i <= LAST) insert(vertex, light, i == 0u && !is_continued, pixel, layer);
             vertex.light = light;
             imageStore(path_lights, ivec3(pixel, layer), uvec4(pack_light(vertex), 0u, 0u));
             // What the path itself has found is as long as the path.
             behind = light;
             is_known = true;
         }
-        if (i == 0u) break;
+        if (i == 0u) return;
         float way = distance(vertex.position, vertex_at(pixel, layer - 1u).position);
         look_up(vertex, way, pixel, layer, behind, is_known);
     }

@@ -28,20 +28,11 @@ layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D filtered;
 
 const uint READS_VISIBLE = 16u;
 
-// What insertion has left of the paths: each vertex's irradiance, of which the second's is now that of its cell.
-vec3 cached(ivec2 pixel, vec3 own) {
+// Of each path insertion has left the irradiance by its own light and the cell of its second vertex.
+vec3 cached(ivec2 pixel) {
     vec3 sum = vec3(0.0);
-    bool has_cells = false;
-    for (uint i = 0u; i < push.samples; i++) {
-        ivec3 place = ivec3(pixel, i * VERTICES);
-        PathVertex visible = unpack_vertex(imageLoad(path_places, place), imageLoad(path_lights, place).xy);
-        place.z++;
-        PathVertex second = unpack_vertex(imageLoad(path_places, place), imageLoad(path_lights, place).xy);
-        vec3 light = visible.light;
-        if (second.state == VERTEX_LIT && distance(second.position, visible.position) >= cell_width(second.position, false)) has_cells = true;
-        sum += light;
-    }
-    return has_cells ? sum / float(push.samples) : own;
+    for (uint i = 0u; i < push.samples; i++) sum += unpack_emission(imageLoad(path_lights, ivec3(pixel, i * VERTICES)).x);
+    return sum / float(push.samples);
 }
 
 void main() {
@@ -52,7 +43,7 @@ void main() {
     vec3 light = own.rgb;
     if (surface.depth > 0.0 && push.probes > 0u) {
         if (CACHE) {
-            light = cached(pixel, light);
+            light = cached(pixel);
         } else {
             vec4 mean = read_cells(surface.position, surface.geometric, true, pixel, 0u, READS_VISIBLE, false);
             if (mean.a > 0.0) light = mean.rgb;

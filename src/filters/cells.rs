@@ -1,0 +1,224 @@
+//! Filters in cells of space: a hash map on the device holds the mean irradiance of the vertices in each cell (Meijer 2019; HPSF, nHPSF,
+//! A-nHPSF), also as a radiance cache that is read behind the visible surface alone.
+//!
+//! In: vertices of paths. Out: irradiance. The map's memory is 60 bytes a slot; shaders/filters/cell_map.glsl has its layout.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Affine3A;
+
+use super::{FilterInputs, layers, pixel_spread, vertices};
+use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::frame_inputs::FrameInputs;
+use crate::passes::storage_image;
+use crate::report::PassInfo;
+use crate::scene::{Environment, Light, Pose};
+use crate::settings::{CellSettings, PathFilter, Settings};
+use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
+
+/// The passes, in the order of the frame.
+pub const PASSES: [PassInfo; 3] = [
+    PassInfo::new("cells_insert", [44, 130, 90]),
+    PassInfo::new("cells_resolve", [90, 165, 120]),
+    PassInfo::new("cells_read", [140, 195, 150]),
+];
+
+/// Names of the first counters of cells, in the order of shaders/filters/cell_counters.glsl.
+pub const COUNTERS: [&str; 3] = ["cells.occupied", "cells.dropped", "cells.evicted"];
+/// Words of all counters of cells.
+pub const COUNTER_WORDS: u64 = 32;
+
+/// Layers of a continued path: the vertex that it goes on from, and where its ray ends.
+pub(super) const CONTINUED: u32 = 2;
+/// Words of a slot's sums. Twin: SUM_WORDS in shaders/filters/cells.glsl.
+const SUM_WORDS: u64 = 8;
+/// Frames that the mean of a cell is of while lights or objects change, and for how many frames afterwards.
+const CHANGING_WINDOW: u32 = 2;
+const CHANGING_FRAMES: u32 = 8;
+
+/// `CellPush` in shaders/filters/cell_push.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct CellPush {
+    spread: f32,
+    widening: f32,
+    jitter: f32,
+    jitters: u32,
+    bits: u32,
+    normal: u32,
+    probes: u32,
+    levels: u32,
+    samples: u32,
+    window: u32,
+    life: u32,
+    depth: u32,
+    view: u32,
+}
+
+/// The filter.
+pub struct CellFilter {
+    settings: CellSettings,
+    samples: u32,
+    insert: ComputePipeline,
+    resolve: ComputePipeline,
+    read: ComputePipeline,
+    map: CellBuffers,
+    filtered: Image,
+    lit_by: LitBy,
+}
+
+/// The hash map on the device: shaders/filters/cell_map.glsl.
+struct CellBuffers {
+    keys: Buffer,
+    sums: Buffer,
+    means: Buffer,
+    ages: Buffer,
+    capacity: u32,
+    is_cleared: bool,
+}
+
+impl CellBuffers {
+    fn new(device: &Arc<Device>, settings: &CellSettings) -> Result<Self, VulkanError> {
+        let capacity = settings.capacity.next_power_of_two();
+        let buffer = |name, size| Buffer::new(device, name, u64::from(capacity) * size);
+        Ok(Self {
+            keys: buffer("cell_keys", 4)?,
+            sums: buffer("cell_sums", 4 * SUM_WORDS)?,
+            means: buffer("cell_means", 16)?,
+            ages: buffer("cell_ages", 4)?,
+            capacity,
+            is_cleared: false,
+        })
+    }
+
+    fn clear_once(&mut self, frame: &mut Frame<'_>) {
+        if !self.is_cleared {
+            for buffer in [&self.keys, &self.sums, &self.means, &self.ages] {
+                frame.clear(buffer);
+            }
+            self.is_cleared = true;
+        }
+    }
+
+    fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+        pass.write("cell_keys", &self.keys)
+            .write("cell_sums", &self.sums)
+            .write("cell_means", &self.means)
+    }
+}
+
+/// What light in cells depends on, to forget sooner what has changed.
+#[derive(Default)]
+struct LitBy {
+    lights: Vec<Light>,
+    environment: Option<Environment>,
+    instances: Vec<Affine3A>,
+    /// Frames since the last change; none before the first frame.
+    since: Option<u32>,
+}
+
+impl LitBy {
+    /// Whether light changes or did so a few frames ago.
+    fn changes(&mut self, pose: &Pose) -> bool {
+        let is_same = self.lights == pose.lights
+            && self.environment == pose.environment
+            && self.instances == pose.instances;
+        let is_first = self.since.is_none();
+        if !is_same {
+            self.lights.clone_from(&pose.lights);
+            self.environment.clone_from(&pose.environment);
+            self.instances.clone_from(&pose.instances);
+        }
+        let since = if is_same { self.since.map_or(CHANGING_FRAMES, |since| since.saturating_add(1)) } else { 0 };
+        self.since = Some(if is_first { CHANGING_FRAMES } else { since });
+        self.since < Some(CHANGING_FRAMES)
+    }
+}
+
+impl CellFilter {
+    pub(super) fn new(
+        device: &Arc<Device>,
+        _tracer: TracerVariant,
+        settings: &Settings,
+    ) -> Result<Self, VulkanError> {
+        let count = vertices(settings);
+        let is_cache = settings.paths.filter == PathFilter::Cache;
+        let last = count.saturating_sub(1);
+        let continued = layers(settings) - (count * settings.paths.samples).max(1);
+        let white = u32::from(settings.effects.noise == crate::settings::Noise::White);
+        let constants = [white, u32::from(is_cache), last, count, continued, u32::from(is_cache)];
+        let pipeline = |name, shader| {
+            ComputePipeline::specialised(device, name, shader, &[&[0][..], &constants].concat())
+        };
+        Ok(Self {
+            settings: settings.cells,
+            samples: settings.paths.samples,
+            insert: pipeline("cells_insert", shaders::CELLS_INSERT_COMP)?,
+            resolve: ComputePipeline::new(device, "cells_resolve", shaders::CELLS_RESOLVE_COMP)?,
+            read: pipeline("cells_read", shaders::CELLS_READ_COMP)?,
+            map: CellBuffers::new(device, &settings.cells)?,
+            filtered: storage_image(device, "filtered", vk::Format::R16G16B16A16_SFLOAT, settings.size)?,
+            lit_by: LitBy::default(),
+        })
+    }
+
+    pub(super) fn output(&self) -> &Image {
+        &self.filtered
+    }
+
+    fn push(&self, inputs: &FrameInputs<'_>, is_changing: bool) -> CellPush {
+        let CellSettings { window, .. } = self.settings;
+        CellPush {
+            spread: self.settings.width * pixel_spread(inputs, self.filtered.extent()),
+            widening: self.settings.widening,
+            jitter: self.settings.jitter,
+            jitters: self.settings.jitters,
+            bits: self.settings.normal_bits,
+            normal: self.settings.normal as u32,
+            probes: self.settings.probes,
+            levels: self.settings.levels,
+            samples: self.samples,
+            window: if is_changing { CHANGING_WINDOW } else { window },
+            life: self.settings.life,
+            depth: self.settings.depth,
+            view: 0,
+        }
+    }
+
+    pub(super) fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        filter: &FilterInputs<'_>,
+    ) -> Result<(), VulkanError> {
+        self.map.clear_once(frame);
+        let is_changing = self.lit_by.changes(inputs.pose);
+        let push = self.push(inputs, is_changing);
+        let extent = self.filtered.extent();
+        let pass = inputs.bind(frame.pass("cells_insert", &self.insert));
+        self.map
+            .bind(pass)
+            .read("irradiance", filter.irradiance)
+            .write("path_places", &filter.vertices.places)
+            .write("path_lights", &filter.vertices.lights)
+            .write("ray_counters", filter.counters)
+            .push(&push)
+            .dispatch_over(extent)?;
+        self.map
+            .bind(frame.pass("cells_resolve", &self.resolve))
+            .write("cell_ages", &self.map.ages)
+            .write("ray_counters", filter.counters)
+            .push(&push)
+            .dispatch_threads([self.map.capacity, 1, 1])?;
+        let pass = inputs.bind(frame.pass("cells_read", &self.read));
+        self.map
+            .bind(pass)
+            .read("irradiance", filter.irradiance)
+            .read("path_places", &filter.vertices.places)
+            .read("path_lights", &filter.vertices.lights)
+            .write("filtered", &self.filtered)
+            .push(&push)
+            .dispatch_over(extent)
+    }
+}
