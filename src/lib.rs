@@ -46,6 +46,7 @@ pub mod denoise;
 pub mod effects;
 pub mod estimators;
 pub mod export;
+pub mod filters;
 pub mod formats;
 pub mod gpu_scene;
 mod memory;

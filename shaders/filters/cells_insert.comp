@@ -56,7 +56,9 @@ void look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, inout vec3 l
 }
 
 // A run of vertices, one behind the other, from layer `first` on.
-void insert_path(ivec2 pixel, uint first, uint count) {
+void insert_path(ivec2 pixel, uint first, uint most) {
+    uint count = 0u;
+    for (uint state = VERTEX_LIT; count < most && state == VERTEX_LIT; count++) state = imageLoad(path_places, ivec3(pixel, first + count)).w >> 30;
     vec3 behind = vec3(0.0);
     bool is_known = false;
     bool is_continued = first >= push.samples * VERTICES;

@@ -1,7 +1,7 @@
 //! The settings of one-path-a-pixel path tracing: `[settings.paths]`, and of its path-space filters: `[settings.cells]`.
 
 use super::setting::{Conflict, settings};
-use super::value::{Kind, choice, choices, number, whole};
+use super::value::{choice, choices, number, whole};
 use super::{Direct, Indirect, Settings};
 
 /// Path-space filters: they share the light of paths among vertices that lie near each other.

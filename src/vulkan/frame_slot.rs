@@ -16,7 +16,7 @@ const MAX_TIMESTAMPS: u32 = 4096;
 /// Minimum size of a chunk of upload memory, bytes.
 const MIN_CHUNK: u64 = 1 << 20;
 /// Most bytes that a frame reads back.
-pub(super) const READBACK_SIZE: u64 = 256;
+pub(super) const READBACK_SIZE: u64 = 512;
 
 /// Resources of one frame in flight.
 pub(super) struct Slot {

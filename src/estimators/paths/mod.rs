@@ -11,8 +11,10 @@ use bytemuck::{Pod, Zeroable};
 use super::ray_counters::RayCounters;
 use super::{Axis, CounterInfo, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses};
 use crate::denoise::SignalNoise;
+use crate::filters::{self, Filter, FilterInputs, PathVertices};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
+use crate::passes::still::SampledIrradiance;
 use crate::passes::storage_image;
 use crate::report::{Counters, PassInfo};
 use crate::scene::luminance;
@@ -25,10 +27,19 @@ pub const METHOD: Method = Method {
         cpu: &[],
         device: &[
             PassInfo::new("paths_trace", [31, 119, 180]),
+            filters::WINDOW_PASS,
+            filters::CELL_PASSES[0],
+            filters::CELL_PASSES[1],
+            filters::CELL_PASSES[2],
             PassInfo::new("paths_light_hits", [70, 130, 160]),
         ],
     },
-    counters: &[CounterInfo::listed(RAYS, "rays")],
+    counters: &[
+        CounterInfo::listed(RAYS, "rays"),
+        CounterInfo::plotted(filters::COUNTERS[0], "cells", [44, 130, 90]),
+        CounterInfo::plotted(filters::COUNTERS[1], "dropped samples", [200, 80, 60]),
+        CounterInfo::plotted(filters::COUNTERS[2], "evicted cells", [150, 150, 150]),
+    ],
     warm_up: |settings| settings.svgf.longest_history,
     axes: AXES,
     cost: Some(&AXES[0]),
@@ -61,13 +72,16 @@ struct PathPush {
     has_environment: u32,
 }
 
-/// The estimator: 8 bytes a pixel.
+/// The estimator: 8 bytes a pixel; with a filter of several vertices 24 more for each.
 pub struct Paths {
     device: Arc<Device>,
     trace: ComputePipeline,
     /// Made where reflection rays are traced.
     light_hits: Option<ComputePipeline>,
+    /// By the pixel's own paths.
     irradiance: Image,
+    vertices: PathVertices,
+    filter: Option<Filter>,
     rays: RayCounters,
     tracer: TracerVariant,
     settings: Settings,
@@ -80,13 +94,17 @@ impl Paths {
     /// Where the device lacks memory.
     pub fn new(context: &EstimatorContext<'_>) -> Result<Self, VulkanError> {
         let EstimatorContext { device, tracer, settings, .. } = *context;
-        let constants = [&shared_constants(settings)[..], &[settings.paths.samples]].concat();
+        let left = [settings.paths.samples, filters::vertices(settings)];
+        let constants = [&shared_constants(settings)[..], &left].concat();
+        let extent = if left[1] > 0 { settings.size } else { [1, 1] };
         Ok(Self {
             device: Arc::clone(device),
             trace: tracer.pipeline(device, "paths_trace", shaders::PATHS_TRACE_COMP, &constants)?,
             light_hits: None,
             irradiance: storage_image(device, "irradiance", vk::Format::R16G16B16A16_SFLOAT, settings.size)?,
-            rays: RayCounters::new(device)?,
+            vertices: PathVertices::new(device, extent, filters::layers(settings))?,
+            filter: Filter::new(device, tracer, settings)?,
+            rays: RayCounters::new(device, filters::COUNTER_WORDS)?,
             tracer,
             settings: settings.clone(),
         })
@@ -115,13 +133,24 @@ impl Estimator for Paths {
         inputs
             .bind(frame.pass("paths_trace", &self.trace))
             .write("irradiance", &self.irradiance)
+            .write("path_places", &self.vertices.places)
+            .write("path_lights", &self.vertices.lights)
             .write("ray_counters", self.rays.buffer())
             .push(&self.push(inputs))
-            .dispatch_over(self.irradiance.extent())
+            .dispatch_over(self.irradiance.extent())?;
+        let Some(filter) = &mut self.filter else { return Ok(()) };
+        let (vertices, counters) = (&self.vertices, self.rays.buffer());
+        filter.record(frame, inputs, &FilterInputs { irradiance: &self.irradiance, vertices, counters })
     }
 
     fn signal(&self) -> IrradianceSignal<'_> {
-        IrradianceSignal { noisy: &self.irradiance, variance: None }
+        let noisy = self.filter.as_ref().map_or(&self.irradiance, Filter::output);
+        IrradianceSignal { noisy, variance: None }
+    }
+
+    /// Before any filter, which would bring light of earlier frames.
+    fn sampled(&self) -> SampledIrradiance<'_> {
+        SampledIrradiance { image: &self.irradiance, scale: 1.0, step: 1, offset: [0; 2] }
     }
 
     fn light_hits(
@@ -156,6 +185,11 @@ impl Estimator for Paths {
 
     fn add_device_counters(&self, counters: &mut Counters, read_back: &[u8]) {
         counters.insert(RAYS, RayCounters::sum(read_back));
+        if self.settings.paths.filter.has_cells() {
+            for (name, count) in filters::COUNTERS.into_iter().zip(RayCounters::more(read_back)) {
+                counters.insert(name, u64::from(count));
+            }
+        }
     }
 
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {

@@ -86,7 +86,7 @@ impl VplBuffer {
         Ok(Self {
             vpls: Mirror::new(device, "vpls", sets * vpl_room * size_of::<GpuVpl>())?,
             clusters: Mirror::new(device, "vpl_clusters", sets * CLUSTERS * size_of::<VplCluster>())?,
-            ray_counters: RayCounters::new(device)?,
+            ray_counters: RayCounters::new(device, 0)?,
             vpl_room,
         })
     }

@@ -1,0 +1,1 @@
+//! A hash map of cells on the CPU.
