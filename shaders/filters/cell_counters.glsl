@@ -4,7 +4,5 @@ layout(set = 0, binding = 8, std430) buffer RayCounterBlock { uvec2 rays[32]; ui
 const uint CELLS_OCCUPIED = 0u;
 const uint CELLS_DROPPED = 1u;
 const uint CELLS_EVICTED = 2u;
-// From here on: continued paths by their number of vertices.
-const uint PATHS_KEPT = 3u;
 
 void count_cells(uint counter, uint count) { atomicAdd(ray_counters.cells[counter], count); }

@@ -1,11 +1,9 @@
 // Variants of the filters of cells. Twin: Variant in src/filters/cells.rs.
 
 // The first and the last vertex of a path whose irradiance goes to its cell.
-layout(constant_id = 2) const uint FIRST = 0u;
-layout(constant_id = 3) const uint LAST = 0u;
+layout(constant_id = 0) const uint FIRST = 0u;
+layout(constant_id = 1) const uint LAST = 0u;
 // Layers of the vertices of a path; 0: the irradiance of the visible surface is all that is known.
-layout(constant_id = 4) const uint VERTICES = 0u;
-// Layers of all, with those of continued paths.
-layout(constant_id = 5) const uint CONTINUED = 0u;
+layout(constant_id = 2) const uint VERTICES = 0u;
 // Whether light goes by cells only over at least their width, and levels are dithered.
-layout(constant_id = 6) const bool CACHE = false;
+layout(constant_id = 3) const bool CACHE = false;

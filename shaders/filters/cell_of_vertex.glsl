@@ -1,4 +1,4 @@
-// The cells of a vertex. Needs cells.glsl, cell_map.glsl, cell_push.glsl and noise.glsl.
+// The cells of a vertex. Needs cells.glsl, cell_map.glsl, cell_push.glsl and pcg.glsl.
 
 // Each level's cells are so many powers of two wider than those of the one before.
 const int LEVEL_STEP = 2;

@@ -11,8 +11,6 @@ layout(push_constant) uniform CellPush {
     uint samples;      // paths a pixel
     uint window;       // frames of the mean; 0: any number
     uint life;         // frames without samples until a cell is evicted
-    uint depth;        // vertices of a continued path
-    uint view;         // of cells_view
 } push;
 
 const uint CELL_NORMAL_EXACT = 0u;

@@ -6,8 +6,7 @@
 // vertices. Out: sums of cells; the irradiance of each vertex as the path and the cells behind it have it, as its light.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene_set.glsl"
-#include "noise.glsl"
+#include "pcg.glsl"
 #include "cells.glsl"
 #define CELL_MAP_BINDING 5
 #include "cell_map.glsl"
@@ -48,7 +47,8 @@ void insert(PathVertex vertex, vec3 light, bool is_visible, ivec2 pixel, uint k)
 
 // Of a vertex's irradiance and whether it is known: by its cell, if the way to it is long enough, else what the path has found.
 void look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, inout vec3 light, inout bool is_known) {
-    if (CACHE && way < cell_width(vertex.position, false)) return;
+    // Where the path ends no other light is known.
+    if (CACHE && vertex.state == VERTEX_LIT && way < cell_width(vertex.position, false)) return;
     vec4 mean = read_cells(vertex.position, vertex.normal, false, pixel, layer, READS, CACHE);
     if (mean.a == 0.0) return;
     light = mean.rgb;
@@ -56,12 +56,11 @@ void look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, inout vec3 l
 }
 
 // A run of vertices, one behind the other, from layer `first` on.
-void insert_path(ivec2 pixel, uint first, uint most) {
+void insert_path(ivec2 pixel, uint first) {
     uint count = 0u;
-    for (uint state = VERTEX_LIT; count < most && state == VERTEX_LIT; count++) state = imageLoad(path_places, ivec3(pixel, first + count)).w >> 30;
+    for (uint state = VERTEX_LIT; count < VERTICES && state == VERTEX_LIT; count++) state = imageLoad(path_places, ivec3(pixel, first + count)).w >> 30;
     vec3 behind = vec3(0.0);
     bool is_known = false;
-    bool is_continued = first >= push.samples * VERTICES;
     for (uint i = count; i-- > 0u;) {
         uint layer = first + i;
         PathVertex vertex = vertex_at(pixel, layer);
@@ -71,7 +70,7 @@ void insert_path(ivec2 pixel, uint first, uint most) {
         } else {
             vec3 light = vertex.light + vertex.next * behind;
             bool is_complete = is_known || vertex.next == vec3(0.0);
-            if (is_complete && i >= FIRST && i <= LAST) insert(vertex, light, i == 0u && !is_continued, pixel, layer);
+            if (is_complete && i >= FIRST && i <= LAST) insert(vertex, light, i == 0u, pixel, layer);
             vertex.light = light;
             imageStore(path_lights, ivec3(pixel, layer), uvec4(pack_light(vertex), 0u, 0u));
             // What the path itself has found is as long as the path.
@@ -95,6 +94,5 @@ void main() {
         insert(visible, imageLoad(irradiance, pixel).rgb, true, pixel, 0u);
         return;
     }
-    for (uint i = 0u; i < push.samples; i++) insert_path(pixel, i * VERTICES, VERTICES);
-    if (CONTINUED > 0u) insert_path(pixel, push.samples * VERTICES, CONTINUED);
+    for (uint i = 0u; i < push.samples; i++) insert_path(pixel, i * VERTICES);
 }

@@ -5,9 +5,8 @@
 // Where there is no cell it is that of the pixel's own paths, bit for bit. In: means of cells, vertices. Out: irradiance.
 #include "frame.glsl"
 #include "gbuffer.glsl"
-#include "scene_set.glsl"
 #include "rounded.glsl"
-#include "noise.glsl"
+#include "pcg.glsl"
 #include "cells.glsl"
 #define CELL_MAP_BINDING 5
 #include "cell_map.glsl"

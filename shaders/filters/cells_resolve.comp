@@ -9,7 +9,7 @@
 
 layout(local_size_x = 256) in;
 
-// Frames since the last sample.
+// Frames with samples, at most 65535; in the low half: without, since the last one.
 layout(set = 0, binding = 9, std430) buffer CellAgeBlock { uint words[]; } cell_ages;
 
 // Most samples that a mean counts: beyond, single precision would not change.
@@ -24,7 +24,7 @@ void main() {
     float count = float(cell_sums.words[first + SUM_COUNT]);
     if (count == 0.0) {
         uint age = cell_ages.words[slot] + 1u;
-        bool is_evicted = age >= push.life;
+        bool is_evicted = (age & 0xffffu) >= push.life;
         cell_ages.words[slot] = is_evicted ? 0u : age;
         count_cells(is_evicted ? CELLS_EVICTED : CELLS_OCCUPIED, 1u);
         if (!is_evicted) return;
@@ -33,12 +33,15 @@ void main() {
         return;
     }
     count_cells(CELLS_OCCUPIED, 1u);
-    cell_ages.words[slot] = 0u;
+    uint frames = min((cell_ages.words[slot] >> 16) + 1u, 0xffffu);
+    cell_ages.words[slot] = frames << 16;
     vec3 mean = vec3(sum_of(first), sum_of(first + 1u), sum_of(first + 2u)) / count;
     for (uint i = 0u; i < SUM_WORDS; i++) cell_sums.words[first + i] = 0u;
     vec4 before = cell_means.data[slot];
-    // The newest frame has at least the share of one in `window`.
-    if (push.window > 0u) before.a = min(before.a, count * float(push.window - 1u));
+    // The newest frame has at least the share of one in `window`; at first of fewer, as light of further bounces takes frames to arrive.
+    float window = 1.0 + 0.5 * float(frames);
+    if (push.window > 0u) window = min(window, float(push.window));
+    before.a = min(before.a, count * (window - 1.0));
     float all = min(before.a + count, MOST_SAMPLES);
     cell_means.data[slot] = vec4(mix(before.rgb, mean, count / all), all);
 }

@@ -1,5 +1,5 @@
-//! Filters in cells of space: a hash map on the device holds the mean irradiance of the vertices in each cell (Meijer 2019; HPSF, nHPSF,
-//! A-nHPSF), also as a radiance cache that is read behind the visible surface alone.
+//! Filters in cells of space: a hash map on the device holds the mean irradiance of the vertices in each cell (Meijer 2019; HPSF and
+//! nHPSF), also as a radiance cache that is read behind the visible surface alone.
 //!
 //! In: vertices of paths. Out: irradiance. The map's memory is 60 bytes a slot; shaders/filters/cell_map.glsl has its layout.
 
@@ -8,8 +8,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
 
-use super::{FilterInputs, layers, pixel_spread, vertices};
-use crate::gpu_scene::tracer::TracerVariant;
+use super::{FilterInputs, pixel_spread, vertices};
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
 use crate::report::PassInfo;
@@ -29,8 +28,6 @@ pub const COUNTERS: [&str; 3] = ["cells.occupied", "cells.dropped", "cells.evict
 /// Words of all counters of cells.
 pub const COUNTER_WORDS: u64 = 32;
 
-/// Layers of a continued path: the vertex that it goes on from, and where its ray ends.
-pub(super) const CONTINUED: u32 = 2;
 /// Words of a slot's sums. Twin: SUM_WORDS in shaders/filters/cells.glsl.
 const SUM_WORDS: u64 = 8;
 /// Frames that the mean of a cell is of while lights or objects change, and for how many frames afterwards.
@@ -52,8 +49,6 @@ struct CellPush {
     samples: u32,
     window: u32,
     life: u32,
-    depth: u32,
-    view: u32,
 }
 
 /// The filter.
@@ -139,18 +134,15 @@ impl LitBy {
 impl CellFilter {
     pub(super) fn new(
         device: &Arc<Device>,
-        _tracer: TracerVariant,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
         let count = vertices(settings);
         let is_cache = settings.paths.filter == PathFilter::Cache;
-        let last = count.saturating_sub(1);
-        let continued = layers(settings) - (count * settings.paths.samples).max(1);
-        let white = u32::from(settings.effects.noise == crate::settings::Noise::White);
-        let constants = [white, u32::from(is_cache), last, count, continued, u32::from(is_cache)];
-        let pipeline = |name, shader| {
-            ComputePipeline::specialised(device, name, shader, &[&[0][..], &constants].concat())
-        };
+        // What is behind the last layer is not known, so that would be a mean of the paths alone that end there.
+        let last = count.saturating_sub(2);
+        let cache = u32::from(is_cache);
+        let constants = [cache, last, count, cache];
+        let pipeline = |name, shader| ComputePipeline::specialised(device, name, shader, &constants);
         Ok(Self {
             settings: settings.cells,
             samples: settings.paths.samples,
@@ -181,8 +173,6 @@ impl CellFilter {
             samples: self.samples,
             window: if is_changing { CHANGING_WINDOW } else { window },
             life: self.settings.life,
-            depth: self.settings.depth,
-            view: 0,
         }
     }
 

@@ -10,7 +10,6 @@ use std::sync::Arc;
 
 pub use cells::{COUNTERS, COUNTER_WORDS, PASSES as CELL_PASSES};
 
-use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image_array;
 use crate::report::PassInfo;
@@ -34,8 +33,11 @@ pub struct PathVertices {
 }
 
 impl PathVertices {
-    /// Makes images of `extent` texels: 24 bytes for each pixel and layer.
-    pub fn new(device: &Arc<Device>, extent: [u32; 2], layers: u32) -> Result<Self, VulkanError> {
+    /// Makes the images, if the filter of these settings reads them: 24 bytes for each pixel, path and vertex.
+    pub fn new(device: &Arc<Device>, settings: &Settings) -> Result<Self, VulkanError> {
+        let layers = vertices(settings) * settings.paths.samples;
+        // Without a filter that reads them, one is bound and not written.
+        let (extent, layers) = if layers > 0 { (settings.size, layers) } else { ([1, 1], 1) };
         let image = |name, format| storage_image_array(device, name, format, extent, layers);
         Ok(Self {
             places: image("path_places", vk::Format::R32G32B32A32_UINT)?,
@@ -48,14 +50,8 @@ impl PathVertices {
 pub fn vertices(settings: &Settings) -> u32 {
     match settings.paths.filter {
         PathFilter::None | PathFilter::Sspsf | PathFilter::Hpsf => 0,
-        PathFilter::Nhpsf | PathFilter::ANhpsf | PathFilter::Cache => (settings.bounces + 2).min(MOST_VERTICES),
+        PathFilter::Nhpsf | PathFilter::Cache => (settings.bounces + 2).min(MOST_VERTICES),
     }
-}
-
-/// Layers of all vertices, with those of continued paths; at least one.
-pub fn layers(settings: &Settings) -> u32 {
-    let continued = if settings.paths.filter == PathFilter::ANhpsf { cells::CONTINUED } else { 0 };
-    (vertices(settings) * settings.paths.samples + continued).max(1)
 }
 
 /// What a filter reads of a frame.
@@ -83,13 +79,12 @@ impl Filter {
     /// Where the device lacks memory.
     pub fn new(
         device: &Arc<Device>,
-        tracer: TracerVariant,
         settings: &Settings,
     ) -> Result<Option<Self>, VulkanError> {
         Ok(match settings.paths.filter {
             PathFilter::None => None,
             PathFilter::Sspsf => Some(Self::Window(WindowFilter::new(device, settings.size)?)),
-            _ => Some(Self::Cells(Box::new(CellFilter::new(device, tracer, settings)?))),
+            _ => Some(Self::Cells(Box::new(CellFilter::new(device, settings)?))),
         })
     }
 

@@ -15,8 +15,6 @@ pub enum PathFilter {
     Hpsf,
     /// The same at every vertex of a path: light of the next one comes from its cell, so that over frames all bounces add up.
     Nhpsf,
-    /// The same, and each pixel goes on with one path over several frames.
-    ANhpsf,
     /// A radiance cache: cells from the second vertex on, none near the first, coarser ones where samples are few.
     Cache,
 }
@@ -43,8 +41,8 @@ settings! {
 
     /// Paths a pixel and frame. More: less noise, at as many times more rays.
     "samples" samples: u32 = 1, whole("N", 1, 16);
-    /// Path-space filter. Each costs two passes over the vertices and one over the cells; nhpsf, a-nhpsf and cache also one more ray
-    /// a path, a-nhpsf up to two more beyond.
+    /// Path-space filter. Each but sspsf costs two passes over the vertices and one over the cells; nhpsf and cache also one more
+    /// ray a path.
     "filter" filter: PathFilter = PathFilter::None, choice::<PathFilter>();
 }
 
@@ -83,8 +81,6 @@ settings! {
     /// Frames after which a cell without samples is evicted; 1: at once. More: what comes into view again is less noisy; too many: the
     /// map fills up. Any costs the same.
     "cells_life" life: u32 = 16, whole("FRAMES", 1, 1024);
-    /// Longest path of a-nhpsf, vertices. More: light of more bounces, which arrives later. Any costs the same.
-    "cells_depth" depth: u32 = 4, whole("N", 2, 16);
 }
 
 impl PathFilter {

@@ -96,14 +96,13 @@ impl Paths {
         let EstimatorContext { device, tracer, settings, .. } = *context;
         let left = [settings.paths.samples, filters::vertices(settings)];
         let constants = [&shared_constants(settings)[..], &left].concat();
-        let extent = if left[1] > 0 { settings.size } else { [1, 1] };
         Ok(Self {
             device: Arc::clone(device),
             trace: tracer.pipeline(device, "paths_trace", shaders::PATHS_TRACE_COMP, &constants)?,
             light_hits: None,
             irradiance: storage_image(device, "irradiance", vk::Format::R16G16B16A16_SFLOAT, settings.size)?,
-            vertices: PathVertices::new(device, extent, filters::layers(settings))?,
-            filter: Filter::new(device, tracer, settings)?,
+            vertices: PathVertices::new(device, settings)?,
+            filter: Filter::new(device, settings)?,
             rays: RayCounters::new(device, filters::COUNTER_WORDS)?,
             tracer,
             settings: settings.clone(),
