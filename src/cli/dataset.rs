@@ -16,7 +16,7 @@ const HELP: &str = "\
 The layout is that of the data set of BMFR (Koskela et al. 2019). For each frame f, counted from 0, as EXR with the 32-bit \
 channels R, G, B:
   color{f}.exr           --samples paths per pixel: radiance over the albedo of the visible surface
-  reference{f}.exr       --spp other paths per pixel: radiance, with albedo
+  reference{f}.exr       --spp other paths per pixel: radiance, with albedo; none with --spp 0
   albedo{f}.exr          color times this is the path-traced image; 1 on the background and where it would be below 0.001
   shading_normal{f}.exr  unit normals in world space; 0 on the background
   world_position{f}.exr  points in world space; 0 on the background
@@ -47,8 +47,8 @@ pub(super) struct DatasetOptions {
     /// Paths per pixel of the noisy pictures. More: less noise.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16), default_value = "1")]
     pub samples: u32,
-    /// Paths per pixel of the reference. More: less noise, about as 1 / sqrt(N).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "4096")]
+    /// Paths per pixel of the reference; 0: no reference. More: less noise, about as 1 / sqrt(N).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "4096")]
     pub spp: u64,
     /// Seed of the samples. Otherwise the scene's, or 0.
     #[arg(long, value_name = "N", value_parser = parser_of("seed"), allow_negative_numbers = true)]

@@ -93,7 +93,7 @@ pub struct DatasetPlan {
     /// Paths a pixel of the noisy pictures.
     #[serde(default = "one")]
     pub samples: u32,
-    /// Paths a pixel of the reference.
+    /// Paths a pixel of the reference; 0: there is none.
     pub spp: u64,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -236,13 +236,10 @@ impl Dataset {
         picture.layers.push(Layer::of_channels("motion", &["X", "Y"], &motion));
         picture.layers.push(Layer::single("roughness", "Y", noisy.roughness().collect()));
         files::save_pictures(&self.folder, frame, &picture)?;
-        files::save_rgb(
-            &self.folder,
-            "reference",
-            frame,
-            [picture.width, picture.height],
-            clean.picture().colour,
-        )?;
+        if plan.spp > 0 {
+            let size = [picture.width, picture.height];
+            files::save_rgb(&self.folder, "reference", frame, size, clean.picture().colour)?;
+        }
         Ok(files::save_state(&self.folder, frame, &now)?)
     }
 
