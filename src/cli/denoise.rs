@@ -11,7 +11,6 @@ use super::{CliError, device, say};
 use crate::dataset::{DatasetDenoiser, DatasetError, DatasetFrames, DenoisedFrame, Layout};
 use crate::metrics::{CompareOptions, Image, Sequence, SequenceMetrics};
 use crate::output::{OutputError, OutputFile, Picture, PictureTarget};
-use crate::renderer::DenoiserFrame;
 use crate::report::COMMIT;
 use crate::settings::{GivenDenoising, Settings};
 use crate::statistics::percentile;
@@ -83,11 +82,14 @@ pub(super) fn denoise(options: &DenoiseOptions) -> Result<(), CliError> {
     for frame in 0..dataset.frames() {
         let given = dataset.frame(frame)?;
         let denoiser = match &mut denoiser {
-            None => denoiser.insert((DatasetDenoiser::new(&device, &settings, &given)?, given.clone())),
+            None => denoiser.insert(DatasetDenoiser::new(&device, &settings, &given)?),
             Some(denoiser) => denoiser,
         };
-        check_alike(&options.folder, frame, &denoiser.1, &given)?;
-        let DenoisedFrame { picture, passes: times } = denoiser.0.denoise(&given)?;
+        if let Some(misfit) = denoiser.misfit(&given) {
+            let reason = format!("frame {frame} {misfit}; write the data set anew");
+            return Err(DatasetError::Folder { path: options.folder.clone(), reason }.into());
+        }
+        let DenoisedFrame { picture, passes: times } = denoiser.denoise(&given)?;
         for (name, ms) in summed(times) {
             passes.entry(name).or_default().push(ms);
         }
@@ -146,36 +148,21 @@ fn check_apart(
     if let Some(json) = json.filter(|json| target.writes_to(json, frames.into())) {
         return wrong("--json", json.path(), "a picture of --out");
     }
-    let entries = std::fs::read_dir(&options.folder).into_iter().flatten().flatten();
-    for path in entries.map(|entry| entry.path()) {
-        let is_ours =
-            path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with("denoised"));
-        if json.is_some_and(|json| json.is_same(&path)) {
-            return wrong("--json", &path, "a file of the data set");
-        }
-        if !is_ours && target.writes_to(&OutputFile::new(&path)?, frames.into()) {
-            return wrong("--out", &path, "a file of the data set");
-        }
+    // Pictures of an earlier run may stand in the folder, and are replaced.
+    let is_of_dataset = |path: &Path| {
+        let folder = |path: &Path| path.canonicalize().ok();
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let within = path.parent().and_then(|parent| folder(&Path::new(".").join(parent)));
+        path.exists() && !name.starts_with("denoised") && within == folder(&options.folder)
+    };
+    if let Some(json) = json.filter(|json| is_of_dataset(json.path())) {
+        return wrong("--json", json.path(), "a file of the data set");
+    }
+    let pictures = (0..u64::from(frames)).filter(|&frame| target.wants(frame, frames.into()));
+    if let Some(path) = pictures.map(|frame| target.path_of(frame)).find(|path| is_of_dataset(path)) {
+        return wrong("--out", &path, "a file of the data set");
     }
     Ok(())
-}
-
-/// Fails if a frame is not like the first one.
-fn check_alike(
-    folder: &Path,
-    frame: u32,
-    first: &DenoiserFrame,
-    given: &DenoiserFrame,
-) -> Result<(), CliError> {
-    let what = if first.instances.len() != given.instances.len() {
-        format!("has {} instances, but frame 0 has {}", given.instances.len(), first.instances.len())
-    } else if !first.images.keys().eq(given.images.keys()) {
-        "has other layers than frame 0".to_owned()
-    } else {
-        return Ok(());
-    };
-    let reason = format!("frame {frame} {what}; write the data set anew");
-    Err(DatasetError::Folder { path: folder.to_owned(), reason }.into())
 }
 
 /// Milliseconds of each pass, summed over those of one name.

@@ -98,13 +98,27 @@ impl DatasetDenoiser {
         })
     }
 
+    /// What keeps a frame from following the first one, if anything.
+    pub fn misfit(&self, given: &DenoiserFrame) -> Option<String> {
+        let (instances, needed) = (given.instances.len().max(1), self.scene.instances.len());
+        let thin: &[_] = if self.thin_surfaces.is_some() { &DenoiserFrame::THIN_SURFACES } else { &[] };
+        let lacking = self.images.keys().chain(thin).find(|name| !given.images.contains_key(*name));
+        match lacking {
+            Some(name) => Some(format!("has no layer {name}, but frame 0 has")),
+            None if instances != needed => {
+                Some(format!("has {instances} instances, but frame 0 has {needed}"))
+            }
+            None => None,
+        }
+    }
+
     /// Denoises the next frame and waits for it.
     ///
     /// # Errors
     /// Where the device fails.
     ///
     /// # Panics
-    /// If the frame is not like the first one.
+    /// If the frame is a [`Self::misfit`].
     pub fn denoise(&mut self, given: &DenoiserFrame) -> Result<DenoisedFrame, VulkanError> {
         self.upload(given)?;
         let uniforms = self.uniforms(given);

@@ -73,8 +73,9 @@ impl Matrices {
         let path = folder.join(MATRICES_FILE);
         let text = std::fs::read_to_string(&path)
             .map_err(|source| OutputError::Read { path: path.clone(), source })?;
+        let code = without_comments(&text);
         let array = |name: &str, numbers: usize| {
-            let values = c_array(&text, name).unwrap_or_default();
+            let values = c_array(&code, name).unwrap_or_default();
             let needed = numbers * frames as usize;
             let lacks = || {
                 let reason =
@@ -114,6 +115,17 @@ impl Matrices {
         let rays = [inverse.z_axis, inverse.x_axis, inverse.y_axis];
         (eye.is_finite() && inverse.is_finite()).then_some((eye, rays))
     }
+}
+
+/// C without its comments.
+fn without_comments(text: &str) -> String {
+    let mut code = String::new();
+    let mut parts = text.split("/*");
+    code.push_str(parts.next().unwrap_or_default());
+    for part in parts {
+        code.push_str(part.split_once("*/").map_or("", |(_, after)| after));
+    }
+    code.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
 /// The numbers within the braces of a C array, in order.
@@ -163,5 +175,6 @@ mod tests {
         let text = "const float a[1] = {9};\nconst float b[2][2] = {{1.f, -2.5e-1f}, {+3, .5}};";
         assert_eq!(c_array(text, "b"), Some(vec![1.0, -0.25, 3.0, 0.5]));
         assert_eq!(c_array(text, "c"), None);
+        assert_eq!(without_comments("a // b[\nc /* d[\n */ e"), "a \nc  e");
     }
 }

@@ -201,8 +201,9 @@ fn on_disk(folder: &Path, name: &str, ending: &str) -> Result<Vec<u32>, DatasetE
 fn frames_of(folder: &Path, files: &[(&'static str, &'static str)]) -> Result<u32, DatasetError> {
     let present = files.iter().map(|(name, ending)| on_disk(folder, name, ending));
     let present = present.collect::<Result<Vec<_>, _>>()?;
-    let lasts = files.iter().zip(&present).filter_map(|(file, frames)| Some((*frames.last()?, *file)));
-    let Some((last, there)) = lasts.max_by_key(|(last, _)| *last) else { return Ok(0) };
+    let Some(last) = present.iter().filter_map(|frames| frames.last().copied()).max() else { return Ok(0) };
+    let has_last = files.iter().zip(&present).find(|(_, frames)| frames.last() == Some(&last));
+    let there = has_last.map_or(files[0], |(file, _)| *file);
     for (file, frames) in files.iter().zip(&present) {
         // They are in order, so the first that is not at its place tells the gap.
         let gap = (0..=last).find(|&frame| frames.get(frame as usize) != Some(&frame));

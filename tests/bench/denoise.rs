@@ -56,7 +56,7 @@ size = [1, 1, 1]
 material = { albedo = [0.3, 0.8, 0.4], metallic = 0, roughness = 0.1 }
 [[materials]]
 name = "pane"
-opacity = 0.5
+transmission = 0.6
 [[instances]]
 model = "pane"
 translation = [0.2, 0.6, 1.2]
