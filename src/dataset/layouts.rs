@@ -75,13 +75,13 @@ impl DatasetFrames {
         let state = self.bmfr_state(frame)?;
         let depth = positions.iter().map(|&position| view_depth(&state, position.into()));
         let by_albedo = || colour.iter().zip(&albedo).map(|(c, a)| [0, 1, 2].map(|i| c[i] * a[i]));
-        // What no surface shows is no signal.
+        // What no surface shows is no signal, and no denoiser's output is seen there.
         let uncovered: Vec<bool> = covered.iter().map(|covered| !covered).collect();
         let background: Vec<[f32; 4]> = masked(by_albedo().map(opaque), &uncovered);
         let images = Images::from([
             ("gbuffer_depth", masked(depth.map(|depth| [depth, 0.0, 0.0, 0.0]), &covered)),
             ("gbuffer_normal", normals.iter().copied().map(packed_normals).collect()),
-            ("gbuffer_albedo", albedo.iter().copied().map(opaque).collect()),
+            ("gbuffer_albedo", masked(albedo.iter().copied().map(opaque), &covered)),
             (
                 "gbuffer_instance",
                 covered.iter().map(|&covered| [f32::from(u8::from(covered)), 0.0, 0.0, 0.0]).collect(),
