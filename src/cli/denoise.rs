@@ -182,11 +182,11 @@ fn compare(
     target: &PictureTarget,
     picture: &Picture,
 ) -> Result<(), CliError> {
-    let Some((path, reference)) = dataset.reference(frame)? else { return Ok(()) };
-    let size = [picture.width, picture.height];
+    let Some(reference) = dataset.reference(frame) else { return Ok(()) };
     let name = target.path_of(frame.into()).display().to_string();
+    let size = [picture.width, picture.height];
     let image = Image::from_linear(name, size, picture.colour.clone())?;
-    let reference = Image::from_linear(path.display().to_string(), size, reference)?;
+    let reference = Image::read(&reference, None)?;
     sequence.push(frame.into(), &image, &reference)?;
     Ok(())
 }

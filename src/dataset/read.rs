@@ -132,15 +132,9 @@ impl DatasetFrames {
         }
     }
 
-    /// Reads the reference of a frame, its name and its pixels; none where the data set has none.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or has another size.
-    pub fn reference(&self, frame: u32) -> Result<Option<(PathBuf, Vec<[f32; 3]>)>, DatasetError> {
-        if !self.has_references {
-            return Ok(None);
-        }
-        Ok(Some((files::path_of(&self.folder, "reference", frame, "exr"), self.rgb("reference", frame)?)))
+    /// The file with the reference of a frame; none where the data set has no references.
+    pub fn reference(&self, frame: u32) -> Option<PathBuf> {
+        self.has_references.then(|| files::path_of(&self.folder, "reference", frame, "exr"))
     }
 
     /// Reads a picture, which has the size of all.

@@ -330,7 +330,7 @@ fn the_layout_of_bmfr_is_read() {
             assert!(metrics[metric].is_number(), "{metric}");
         }
         errors.push(metrics["rmse"].as_f64().unwrap());
-        assert_eq!(report["passes"]["reprojection"].is_number(), true);
+        assert!(report["passes"]["reprojection"].is_number());
     }
     assert!(errors[1] < 0.8 * errors[0] && errors[2] < 0.8 * errors[0], "{errors:?}");
     // Where nothing moves but the camera, motion is what the path tracer knows.
@@ -362,7 +362,7 @@ fn shrink(run: &Run, name: &str) {
 #[test]
 fn bad_data_sets_are_one_line() {
     let run = Run::new();
-    for folder in ["gap", "size", "normals", "matrices", "broken", "references"] {
+    for folder in ["gap", "size", "normals", "matrices", "broken", "references", "reference"] {
         bmfr_folder(&run, folder, &TRACED);
     }
     fs::create_dir(run.path("empty")).unwrap();
@@ -376,6 +376,7 @@ fn bad_data_sets_are_one_line() {
     fs::write(run.path("matrices/camera_matrices.h"), header.replace("pixel_offsets", "offsets")).unwrap();
     fs::write(run.path("broken/color1.exr"), "no picture").unwrap();
     fs::remove_file(run.path("references/reference1.exr")).unwrap();
+    shrink(&run, "reference/reference0.exr");
     let files = run.files();
     for (arguments, code, says) in [
         (&["none"][..], 1, &["none: there is no such folder"][..]),
@@ -403,6 +404,7 @@ fn bad_data_sets_are_one_line() {
             "size/shading_normal1.exr: is of 2x1 pixels, but color0.exr is of 45x27",
         ),
         (["broken", "--out", "out.exr"], "broken/color1.exr: is not a valid OpenEXR picture"),
+        (["reference", "--out", "out{frame}.exr"], "reference/reference0.exr 2x1"),
     ] {
         assert_fails(&run.glowworm(&[&["denoise"], &arguments[..]].concat()), 1, &[says]);
     }
