@@ -3,6 +3,7 @@
 //! In: a scene and where everything stands. Out: a picture, and what each pass cost. While the device
 //! draws one frame, the CPU prepares the next.
 
+mod denoiser_frame;
 mod direct;
 mod live;
 mod pick;
@@ -18,6 +19,7 @@ mod view;
 
 pub use crate::estimators::DebugView;
 pub use crate::passes::overlay::Line;
+pub use denoiser_frame::DenoiserFrame;
 pub use pick::{Picked, camera_ray};
 pub use prepared::PreparedScene;
 pub use replay::Replay;

@@ -70,6 +70,7 @@ fn render_instead(options: DemoOptions, reason: &str) -> Result<(), CliError> {
         time: None,
         out,
         layers: false,
+        dataset: None,
         animation: AnimationOption::default(),
         camera,
         view,

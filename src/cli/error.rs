@@ -52,7 +52,7 @@ pub enum CliError {
     /// The scene cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// A data set cannot be rendered.
+    /// A data set cannot be written or read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
     /// A benchmark failed.

@@ -11,6 +11,7 @@ mod compare_report;
 mod dataset;
 #[cfg(feature = "window")]
 mod demo;
+mod denoise;
 mod device;
 mod error;
 mod export;
@@ -71,6 +72,8 @@ enum Command {
     Reference(reference::ReferenceOptions),
     /// Path trace noisy and converged pictures of an animation, with features, for denoisers.
     Dataset(dataset::DatasetOptions),
+    /// Run a denoiser over a data set.
+    Denoise(denoise::DenoiseOptions),
     /// Export a scene at one frame for another renderer.
     Export(export::ExportOptions),
     /// Compare a picture or a sequence with its reference.
@@ -99,6 +102,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
         Some(Command::Bench(options)) => bench::bench(&options),
         Some(Command::Reference(options)) => reference::reference(&options),
         Some(Command::Dataset(options)) => dataset::dataset(&options),
+        Some(Command::Denoise(options)) => denoise::denoise(&options),
         Some(Command::Export(options)) => export::export(&options),
         Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),

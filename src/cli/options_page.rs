@@ -16,9 +16,9 @@ Exit codes: 0 done; 1 failed, with one line on standard error that names the fil
 
 ## Settings
 
-Options of `demo`, `render` and `bench`, and keys of a scene file's `[settings]` (with `_` for `-`), whose values may be
-written as here: `size = \"256x144\"`, `time_step = \"1/60\"`. The command line overrides the scene file, which overrides
-the default. Ranges are in brackets.
+Options of `demo`, `render` and `bench` (those of SVGF, BMFR, exposure and tone curve also of `denoise`), and keys of a scene file's
+`[settings]` (with `_` for `-`), whose values may be written as here: `size = \"256x144\"`, `time_step = \"1/60\"`. The command
+line overrides the scene file, which overrides the default. Ranges are in brackets.
 ";
 
 /// One option of one or more commands.

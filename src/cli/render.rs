@@ -8,13 +8,14 @@ use super::options::{CameraOptions, RunOptions};
 use super::progress::{frames_bar, preparing};
 use super::scene::{AnimationOption, LoadedScene, load};
 use super::{CliError, device, say};
+use crate::dataset::LiveDataset;
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplDebugView, Vpls};
 use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
 use crate::report::{FrameReport, LoadTimes, RenderReport, Resolved};
-use crate::scene::luminance;
+use crate::scene::{Scene, luminance};
 use crate::settings::{GivenSettings, Settings, read_seconds};
 
 /// Options of `render`.
@@ -37,6 +38,10 @@ pub(super) struct RenderOptions {
     /// Add the G-buffer, direct and indirect light to an .exr as layers.
     #[arg(long, help_heading = "Files")]
     pub layers: bool,
+    /// Also write what the denoiser of indirect light is given in each frame to a folder, new or empty, for `denoise`; see
+    /// `dataset` for its files. Needs --indirect paths --antialiasing none --still-frames 0.
+    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    pub dataset: Option<PathBuf>,
     #[command(flatten)]
     pub animation: AnimationOption,
     #[command(flatten)]
@@ -145,6 +150,8 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
         check_apart(json, &target, frames, options)?;
     }
     device::note_slow(&device);
+    let mut dataset =
+        options.dataset.as_ref().map(|folder| dataset(folder, &scene, &settings)).transpose()?;
     let assets = options.run.files.assets_folder();
     if options.time.is_some() && recorded.is_some() {
         return Err(CliError::Usage("--time: a recording has a time of its own; leave it out".to_owned()));
@@ -154,7 +161,11 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     let mut replay = preparing(|| Replay::new(&device, &scene, &settings, assets, start))?;
     let load = LoadTimes { load_ms, bvh_ms: replay.renderer().bvh_ms() };
     replay.renderer().set_view(&options.view.debug_view())?;
-    let (reports, extreme) = render_frames(&mut replay, frames, &target, settings.exposure)?;
+    let (reports, extreme) =
+        render_frames(&mut replay, frames, &target, settings.exposure, dataset.as_mut())?;
+    if let Some(dataset) = dataset {
+        dataset.finish(scene.bounding_sphere(&scene.pose(0.0)).radius)?;
+    }
     if let Some(extreme) = extreme {
         say::warning(&format!("{}: {extreme}", scene.name));
     }
@@ -209,18 +220,31 @@ fn extreme_of(colour: &[[f32; 3]], exposure: Option<f32>) -> Option<&'static str
     is_beyond.then_some("automatic exposure is at its bound; give --exposure, or scale the lights")
 }
 
-/// Renders frames 0 to `frames` - 1 and writes the pictures of `target`. Shows progress on a terminal. Returns the
+/// Starts the data set of `--dataset`.
+fn dataset(folder: &Path, scene: &Scene, settings: &Settings) -> Result<LiveDataset, CliError> {
+    match LiveDataset::lacking(scene, settings) {
+        None => Ok(LiveDataset::new(folder, &scene.name)?),
+        Some(needs) => Err(CliError::Usage(format!("--dataset {}: needs {needs}", folder.display()))),
+    }
+}
+
+/// Renders frames 0 to `frames` - 1 and writes the pictures of `target` and `dataset`. Shows progress on a terminal. Returns the
 /// report of each frame, and what is extreme about the last picture.
 fn render_frames(
     replay: &mut Replay,
     frames: u64,
     target: &PictureTarget,
     exposure: Option<f32>,
+    mut dataset: Option<&mut LiveDataset>,
 ) -> Result<(Vec<FrameReport>, Option<&'static str>), CliError> {
     let progress = frames_bar(frames);
     let mut extreme = None;
     for frame in 0..frames {
         replay.next_frame()?;
+        if let Some(dataset) = &mut dataset {
+            let pose = replay.pose().clone();
+            dataset.write(replay.renderer(), &pose)?;
+        }
         if target.wants(frame, frames) {
             let picture = replay.renderer().read_picture(target.layers())?;
             extreme = extreme_of(&picture.colour, exposure);

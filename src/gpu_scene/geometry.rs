@@ -112,8 +112,8 @@ fn uv(mesh: &Mesh, at: usize) -> Vec2 {
     mesh.uvs.get(at).copied().unwrap_or_default()
 }
 
-/// Twin: `octahedral_encode` in shaders/include/gbuffer.glsl.
-fn octahedral(n: Vec3) -> Vec2 {
+/// A direction in two components, -1 to 1. Twin: `octahedral_encode` in shaders/include/gbuffer.glsl.
+pub(crate) fn octahedral(n: Vec3) -> Vec2 {
     let place = n.truncate() / n.abs().element_sum().max(f32::MIN_POSITIVE);
     if n.z >= 0.0 {
         return place;

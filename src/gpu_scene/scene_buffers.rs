@@ -202,6 +202,11 @@ impl SceneBuffers {
         Ok(Arc::clone(self.instances.buffer()))
     }
 
+    /// Object to world of each instance, as uploaded last.
+    pub fn transforms(&self) -> &[Affine3A] {
+        &self.previous
+    }
+
     /// What was uploaded last.
     pub fn uploaded_instances(&self) -> &[InstanceData] {
         &self.uploaded

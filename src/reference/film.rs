@@ -59,6 +59,17 @@ impl PixelSample {
     }
 }
 
+/// The surface at the centre of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CentralHit {
+    /// Index of the instance.
+    pub(super) instance: u32,
+    /// Whether it shines itself.
+    pub(super) shines: bool,
+    /// Roughness of its GGX lobe.
+    pub(super) roughness: f32,
+}
+
 /// Sums over the samples of each pixel, in rows from the top left.
 #[derive(Clone, Debug)]
 pub struct Film {
@@ -70,10 +81,8 @@ pub struct Film {
     radiance: Vec<RadianceSums>,
     /// With `--layers`; else empty.
     layers: Vec<LayerSums>,
-    /// Instance at the centre of each pixel, -1 for none.
-    instances: Vec<i32>,
-    /// Whether the surface there shines itself.
-    shines: Vec<bool>,
+    /// What the ray through the centre of each pixel hits; none where it misses.
+    centres: Vec<Option<CentralHit>>,
     /// Samples and standard error of an earlier run that this one resumes.
     resumed: Option<(u64, f64)>,
     /// Samples that were not finite and count as black.
@@ -103,16 +112,15 @@ struct LayerSums {
 }
 
 impl Film {
-    /// An empty film of `width` x `height` pixels, with `layers` or without. `centres` tells the instance at the
-    /// centre of each pixel, -1 for none, and whether it shines there.
+    /// An empty film of `width` x `height` pixels, with `layers` or without. `centres` tells what is at the
+    /// centre of each pixel.
     pub(super) fn new(
         width: usize,
         height: usize,
         layers: bool,
-        centres: Vec<(i32, bool)>,
+        centres: Vec<Option<CentralHit>>,
     ) -> Result<Self, ReferenceError> {
         let pixels = width * height;
-        let (instances, shines) = centres.into_iter().unzip();
         Ok(Self {
             width,
             height,
@@ -120,8 +128,7 @@ impl Film {
             pass: filled(pixels)?,
             radiance: filled(pixels)?,
             layers: filled(if layers { pixels } else { 0 })?,
-            instances,
-            shines,
+            centres,
             resumed: None,
             dropped: 0,
         })
@@ -221,7 +228,7 @@ impl Film {
                 Layer::vector("normal", &of(&|sums| unit(sums.normal))),
                 Layer::vector("position", &of(&|sums| over_hits(sums, sums.position))),
                 Layer::single("depth", "Z", scalar(&|sums| (sums.depth / sums.hits.max(1) as f64) as f32)),
-                Layer::single("instance", "id", self.instances.iter().map(|&id| id as f32).collect()),
+                Layer::single("instance", "id", self.instances().collect()),
                 Layer::single(
                     "coverage",
                     "A",
@@ -234,15 +241,25 @@ impl Film {
 
     /// Whether the ray through the centre of each pixel hits a surface.
     pub fn covered(&self) -> impl Iterator<Item = bool> {
-        self.instances.iter().map(|&id| id >= 0)
+        self.centres.iter().map(Option::is_some)
+    }
+
+    /// Index of the instance at the centre of each pixel, -1 for none.
+    fn instances(&self) -> impl Iterator<Item = f32> {
+        self.centres.iter().map(|hit| hit.map_or(-1.0, |hit| hit.instance as f32))
+    }
+
+    /// Roughness of the surface at the centre of each pixel, 0 where there is none.
+    pub fn roughness(&self) -> impl Iterator<Item = f32> {
+        self.centres.iter().map(|hit| hit.map_or(0.0, |hit| hit.roughness))
     }
 
     /// How much each pixel counts for automatic exposure. Twin: `SHARE_OF_LIGHTS` in shaders/passes/direct_shading.comp.
     pub fn metered(&self) -> impl Iterator<Item = f32> {
-        self.covered().zip(&self.shines).map(|pixel| match pixel {
-            (false, _) => 0.0,
-            (true, false) => 1.0,
-            (true, true) => 1.0 / 16.0,
+        self.centres.iter().map(|hit| match hit.map(|hit| hit.shines) {
+            None => 0.0,
+            Some(false) => 1.0,
+            Some(true) => 1.0 / 16.0,
         })
     }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use glam::{UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::film::{Film, ReferenceError};
+use super::film::{CentralHit, Film, ReferenceError};
 use super::lights::Lights;
 use super::resume::{PixelFilter, Progress};
 use super::sampler::Sampler;
@@ -124,17 +124,20 @@ impl<'a> Reference<'a> {
         let centre_of = |pixel: usize| {
             let ray = self.camera_ray(self.raster_point(pixel, Vec2::splat(0.5)));
             let hit = self.world().behind_hidden(&ray, self.bvh.intersect(&ray));
-            hit.map_or((-1, false), |hit| (hit.instance as i32, self.shines(&hit, ray.direction)))
+            hit.map(|hit| self.central(&hit, ray.direction))
         };
         let centres = pixels.map(centre_of).collect();
         Film::new(self.size.x as usize, self.size.y as usize, self.layers, centres)
     }
 
-    /// Whether the surface that a ray along `direction` hit shines itself.
-    fn shines(&self, hit: &Hit, direction: Vec3) -> bool {
+    /// The surface that a ray along `direction` hit.
+    fn central(&self, hit: &Hit, direction: Vec3) -> CentralHit {
         let (found, material) = self.surfaces.at(self.scene, hit, direction);
         let material = &self.scene.materials[material];
-        material.emits_on(found.front) && material.emission_at(self.scene, found.attributes) != Vec3::ZERO
+        let shines = material.emits_on(found.front)
+            && material.emission_at(self.scene, found.attributes) != Vec3::ZERO;
+        let roughness = material.bsdf_at(self.scene, found.attributes).roughness;
+        CentralHit { instance: hit.instance, shines, roughness }
     }
 
     /// A film that resumes from `picture`, with the samples and error of `progress`.

@@ -93,6 +93,25 @@ impl Renderer {
         Ok(picture)
     }
 
+    /// Waits for the last frame and reads its picture as it would be without a denoiser of indirect light, before edges are smoothed,
+    /// with the layers of [`Self::read_picture`] and `roughness`.
+    pub fn read_noisy_picture(&self) -> Result<Picture, RenderError> {
+        let [width, height] = self.resolved.size.map(|side| side as usize);
+        let light = self.read_light()?;
+        let light = Light { irradiance: self.read_halves(self.estimator.signal().noisy, 4)?, ..light };
+        let reflected = light.reflected();
+        let radiance = |pixel: usize| {
+            let (direct, albedo) = (light.direct[pixel], light.albedo[pixel]);
+            let (irradiance, reflected) = (light.irradiance[pixel], reflected[pixel]);
+            [0, 1, 2].map(|i| direct[i] + albedo[i] / PI * irradiance[i] + reflected[i])
+        };
+        let mut layers = self.read_layers(&light)?;
+        let roughness = light.albedo.iter().map(|albedo| albedo[3]).collect();
+        layers.push(Layer::single("roughness", "Y", roughness));
+        let colour = (0..width * height).map(radiance).collect();
+        Ok(Picture { width, height, colour, layers, ..Picture::default() })
+    }
+
     /// Waits for the last frame and reads what it shows: sRGB, in rows from the top left.
     pub fn read_display(&self) -> Result<Vec<[u8; 4]>, RenderError> {
         let display = self.passes.combine.display().read_layer(&self.device, 0, 4)?;
@@ -229,7 +248,7 @@ impl Renderer {
         (uniforms.eye + depth * ray + self.anchor.extend(0.0)).to_array()
     }
 
-    fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {
+    pub(super) fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {
         let bytes = image.read_layer(&self.device, 0, channels as u64 * 2)?;
         let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&bytes);
         let widen = |texel: &[u16]| {

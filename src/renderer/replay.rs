@@ -91,6 +91,11 @@ impl Replay {
         recorded.apply(&mut self.pose, &self.scene).map_err(RenderError::Recording)
     }
 
+    /// Where everything stands in the last frame.
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
     /// The renderer.
     pub fn renderer(&mut self) -> &mut Renderer {
         &mut self.renderer

@@ -24,7 +24,7 @@ pub use bmfr_features::BmfrFeatures;
 pub use effects::{Denoise, EffectSettings, Noise};
 pub use error::SettingsError;
 pub use indirect::Indirect;
-pub use options::GivenSettings;
+pub use options::{GivenDenoising, GivenSettings};
 pub use paths::{CellNormal, CellSettings, PathFilter, PathSettings};
 pub use svgf::SvgfSettings;
 pub use vpls::{MissingSets, Sequence, VplSettings};

@@ -88,16 +88,66 @@ impl clap::Args for GivenSettings {
 
 impl clap::FromArgMatches for GivenSettings {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Self::among(all(), matches))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl GivenSettings {
+    /// Those of some settings, all of which are options of the command.
+    fn among(settings_of: impl Iterator<Item = &'static Setting>, matches: &ArgMatches) -> Self {
         let mut given = Self::default();
         let mut settings = Settings::default();
-        for setting in all().filter(|of| matches.value_source(of.key) == Some(ValueSource::CommandLine)) {
+        let is_given = |of: &&Setting| matches.value_source(of.key) == Some(ValueSource::CommandLine);
+        for setting in settings_of.filter(is_given) {
             // The parser has checked the text.
             let text = matches.get_one::<String>(setting.key).map_or("", String::as_str);
             if setting.set(&mut settings, text).is_ok() {
                 given.insert(setting.key, setting.value(&settings));
             }
         }
-        Ok(given)
+        given
+    }
+}
+
+/// The settings of denoisers and of what is shown that the options of a command line give: those of a command that renders nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GivenDenoising(pub GivenSettings);
+
+impl GivenDenoising {
+    /// Its groups with their settings.
+    fn groups() -> impl Iterator<Item = (super::Group, Vec<&'static Setting>)> {
+        let is_own = |group: &super::Group, setting: &Setting| {
+            ["settings.svgf", "settings.bmfr"].contains(&group.table)
+                || ["denoise", "exposure", "tone_map"].contains(&setting.key)
+        };
+        GROUPS.into_iter().map(move |group| {
+            let own = group.settings.iter().filter(|setting| is_own(&group, setting)).collect();
+            (group, own)
+        })
+    }
+}
+
+impl clap::Args for GivenDenoising {
+    fn augment_args(command: Command) -> Command {
+        let options = |(group, settings): (super::Group, Vec<&'static Setting>)| {
+            settings.into_iter().map(move |of| of.argument(group.title))
+        };
+        command.args(Self::groups().flat_map(options))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl clap::FromArgMatches for GivenDenoising {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Self(GivenSettings::among(Self::groups().flat_map(|(_, settings)| settings), matches)))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {

@@ -85,6 +85,31 @@ impl Image {
         Ok(image)
     }
 
+    /// Replaces mip level 0 by `texels`, tightly packed rows of the format; waits for the device.
+    ///
+    /// # Panics
+    /// If `texels` are not as many as the image has, of `texel_bytes` each.
+    pub fn write(&self, device: &Arc<Device>, texels: &[u8], texel_bytes: u64) -> Result<(), VulkanError> {
+        let [width, height] = self.extent();
+        assert_eq!(texels.len() as u64, u64::from(width) * u64::from(height) * texel_bytes, "{}", self.name);
+        device.wait_idle()?;
+        let staging = staging_with(device, &self.name, texels)?;
+        let region = [whole_layer(self, 0)];
+        device.run_once(|commands| {
+            // SAFETY: the staging buffer holds width * height texels; both live until the wait is over.
+            unsafe {
+                barrier_for_image(device, commands, self, Access::TransferWrite);
+                device.raw().cmd_copy_buffer_to_image(
+                    commands,
+                    staging.raw,
+                    self.raw,
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                    &region,
+                );
+            }
+        })
+    }
+
     /// Reads back layer `layer` of mip level 0, tightly packed rows; waits for the device.
     pub fn read_layer(
         &self,
@@ -96,14 +121,7 @@ impl Image {
         let [width, height] = self.extent();
         let size = u64::from(width) * u64::from(height) * texel_bytes;
         let target = Buffer::in_memory(device, "readback", size, MemoryLocation::GpuToCpu)?;
-        let region = [vk::BufferImageCopy::default()
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: self.aspect(),
-                mip_level: 0,
-                base_array_layer: layer,
-                layer_count: 1,
-            })
-            .image_extent(vk::Extent3D { width, height, depth: 1 })];
+        let region = [whole_layer(self, layer)];
         device.run_once(|commands| {
             // SAFETY: the target holds width * height texels; the image lives until the wait is over.
             unsafe {
@@ -119,6 +137,19 @@ impl Image {
         })?;
         Ok(mapped(&target)[..usize_of(size)].to_vec())
     }
+}
+
+/// Mip level 0 of a layer, in a buffer of tightly packed rows.
+fn whole_layer(image: &Image, layer: u32) -> vk::BufferImageCopy {
+    let [width, height] = image.extent();
+    vk::BufferImageCopy::default()
+        .image_subresource(vk::ImageSubresourceLayers {
+            aspect_mask: image.aspect(),
+            mip_level: 0,
+            base_array_layer: layer,
+            layer_count: 1,
+        })
+        .image_extent(vk::Extent3D { width, height, depth: 1 })
 }
 
 fn staging_with(device: &Arc<Device>, name: &str, bytes: &[u8]) -> Result<Buffer, VulkanError> {

@@ -53,7 +53,8 @@ fn bad_input_of_data_sets_is_one_line() {
     for (arguments, code, says) in [
         (&[][..], 2, "--out"),
         (&["--out", "a", "--frames", "0"], 2, "--frames"),
-        (&["--out", "a", "--spp", "0"], 2, "--spp"),
+        (&["--out", "a", "--spp", "x"], 2, "--spp"),
+        (&["--out", "a", "--samples", "17"], 2, "--samples"),
         (&["--out", "a", "--size", "0x9"], 2, "--size 0x9"),
         (&["--out", "a", "--bounces", "-1"], 2, "--bounces"),
         (&["--out", "full"], 1, "full: is not empty"),

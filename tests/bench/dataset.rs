@@ -127,7 +127,14 @@ fn an_interrupted_data_set_goes_on() {
     fs::write(run.path("b/glowworm-dataset.json"), state.replace("\"done\": 3", "\"done\": 1")).unwrap();
     let output = run.glowworm(&dataset("b", &["--resume"]));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    for name in ["color1.exr", "reference2.exr", "camera_matrices.h", "glowworm-dataset.json"] {
+    for name in [
+        "color1.exr",
+        "reference2.exr",
+        "motion2.exr",
+        "frame1.json",
+        "camera_matrices.h",
+        "glowworm-dataset.json",
+    ] {
         assert!(
             fs::read(run.path(&format!("b/{name}"))).unwrap()
                 == fs::read(DONE.path(&format!("a/{name}"))).unwrap(),
@@ -136,4 +143,25 @@ fn an_interrupted_data_set_goes_on() {
     }
     assert!(!Path::new(&run.path("b/color0.exr")).exists());
     assert_fails(&run.glowworm(&dataset("b", &["--resume", "--seed", "1"])), 1, &["another --seed"]);
+    assert_fails(&run.glowworm(&dataset("b", &["--resume", "--samples", "2"])), 1, &["another --samples"]);
+}
+
+#[test]
+fn more_samples_are_less_noisy_and_references_may_be_left_out() {
+    let run = Run::new();
+    fs::write(run.path("my.toml"), SCENE).unwrap();
+    let output = run.glowworm(&dataset("c", &["--samples", "16", "--spp", "0"]));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(!Path::new(&run.path("c/reference0.exr")).exists());
+    let reference = exr("reference1");
+    let error = |folder: &str| {
+        let read =
+            |name: &str| Picture::read_exr(Path::new(&format!("{folder}/{name}1.exr"))).unwrap().colour;
+        let product = read("color").into_iter().zip(read("albedo")).map(|(c, a)| [0, 1].map(|i| c[i] * a[i]));
+        let difference = |(a, b): ([f32; 2], &[f32; 3])| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
+        product.zip(&reference).map(difference).sum::<f32>()
+    };
+    let [few, many] = [error(&DONE.path("a")), error(&run.path("c"))];
+    // The reference is of 16 paths, too: 1/16 + 1/16 against 1 + 1/16.
+    assert!(many < 0.5 * few, "{many} is not less than {few}");
 }

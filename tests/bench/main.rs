@@ -1,10 +1,11 @@
-//! The benchmark from the command line, its reports and comparisons; data sets for denoisers.
+//! The benchmark from the command line, its reports and comparisons; data sets for denoisers, and denoisers over them.
 
 #![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 mod against;
 mod command;
 mod dataset;
+mod denoise;
 mod methods;
 mod micro;
 #[path = "../program/mod.rs"]

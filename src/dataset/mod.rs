@@ -1,40 +1,52 @@
-//! Pictures for training and testing denoisers, in the layout of BMFR's data set (Koskela et al.,
-//! *Blockwise Multi-Order Feature Regression for Real-Time Path-Tracing Reconstruction*, ACM TOG 2019).
+//! Data sets for denoisers: pictures for training and testing them, in the layout of BMFR's data set (Koskela et al.,
+//! *Blockwise Multi-Order Feature Regression for Real-Time Path-Tracing Reconstruction*, ACM TOG 2019) and beyond it.
 //!
-//! In: a scene and a number of frames. Out, for each frame f: `color{f}.exr`, one path a pixel, demodulated by the
+//! In: a scene and a number of frames. Out, for each frame f: `color{f}.exr`, few paths a pixel, demodulated by the
 //! albedo of the visible surface; `albedo{f}.exr`, which modulates it; `reference{f}.exr`, many paths a pixel,
 //! with albedo; `shading_normal{f}.exr`; `world_position{f}.exr`; and for all frames `camera_matrices.h`. All
 //! camera rays go through pixel centres, so noise, features and reference of a pixel belong to one surface point.
-//! Where a camera ray misses, normal and position are 0 and the albedo is 1.
+//! Where a camera ray misses, normal and position are 0 and the albedo is 1. The noisy light apart, with what else a denoiser
+//! may read, is in further files: see [`files`].
+//!
+//! - `files`: the files of a frame, as they are written.
+//! - `matrices`: `camera_matrices.h`.
+//! - `motion`: motion on the CPU.
+//! - `read`, `layouts`: the frames of a folder, as a denoiser is given them.
+//! - `denoise`: a denoiser over them, on a device.
 
-use std::fmt::Write as _;
+mod denoise;
+mod files;
+mod layouts;
+mod matrices;
+mod motion;
+mod read;
+
+pub use denoise::{DatasetDenoiser, DenoisedFrame};
+pub use files::LiveDataset;
+pub use read::{DatasetFrames, Layout};
+
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use glam::{Mat4, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::output::{Layer, OutputError, OutputFile, Picture};
+use crate::output::{Layer, OutputError, OutputFile};
 use crate::reference::{Film, PixelFilter, Reference, ReferenceError, ReferenceSettings};
-use crate::scene::{Camera, Scene};
+use crate::renderer::RenderError;
+use crate::scene::Scene;
+use crate::vulkan::VulkanError;
+use files::FrameState;
+use matrices::camera_matrix;
 
 /// Camera matrices, pixel offsets and limits, as C.
 pub const MATRICES_FILE: &str = "camera_matrices.h";
 /// Plan and progress of the folder, for `--resume`.
 pub const STATE_FILE: &str = "glowworm-dataset.json";
 
-/// Albedos below this are written as 1, so that demodulation does not divide by almost zero.
-const MIN_ALBEDO: f32 = 1e-3;
-/// Most distance between two positions that a denoiser's reprojection takes for one surface, as a fraction of the
-/// scene's radius.
-const POSITION_LIMIT: f32 = 0.005;
-/// Most length of the difference between two unit normals of one surface.
-const NORMAL_LIMIT: f32 = 0.5;
-
-/// Why a data set could not be written.
+/// Why a data set cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum DatasetError {
-    /// The folder holds something else or cannot be resumed.
+    /// The folder holds something else, cannot be resumed or lacks something.
     #[error("{path}: {reason}")]
     Folder {
         /// The folder, or a file in it.
@@ -48,6 +60,12 @@ pub enum DatasetError {
     /// The picture does not fit into memory.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
+    /// A device failed that denoises.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+    /// A device failed that renders.
+    #[error(transparent)]
+    Render(#[from] RenderError),
     /// The run was stopped.
     #[error("interrupted after {done} of {frames} frames; continue with --resume")]
     Interrupted {
@@ -58,6 +76,13 @@ pub enum DatasetError {
     },
 }
 
+impl DatasetError {
+    /// What is wrong with a folder or a file in it, and what to do.
+    fn of(path: &Path, reason: impl Into<String>) -> Self {
+        Self::Folder { path: path.to_owned(), reason: reason.into() }
+    }
+}
+
 /// Everything that determines the pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DatasetPlan {
@@ -65,7 +90,10 @@ pub struct DatasetPlan {
     pub scene: String,
     /// Frames of its animation.
     pub frames: u32,
-    /// Paths a pixel of the reference.
+    /// Paths a pixel of the noisy pictures.
+    #[serde(default = "one")]
+    pub samples: u32,
+    /// Paths a pixel of the reference; 0: there is none.
     pub spp: u64,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -77,12 +105,18 @@ pub struct DatasetPlan {
     pub time_step: f64,
 }
 
+/// What data sets had before it was recorded.
+fn one() -> u32 {
+    1
+}
+
 impl DatasetPlan {
     /// The first difference from `other`, as the name of its option.
     fn difference(&self, other: &Self) -> Option<&'static str> {
         let pairs = [
             (self.scene == other.scene, "SCENE"),
             (self.frames == other.frames, "--frames"),
+            (self.samples == other.samples, "--samples"),
             (self.spp == other.spp, "--spp"),
             (self.size == other.size, "--size"),
             (self.bounces == other.bounces, "--bounces"),
@@ -115,7 +149,7 @@ impl Dataset {
     /// # Errors
     /// If the folder holds anything else or cannot be created.
     pub fn new(folder: &Path, plan: DatasetPlan, resume: bool) -> Result<Self, DatasetError> {
-        let error = |path: &Path, reason: String| Err(DatasetError::Folder { path: path.to_owned(), reason });
+        let error = |path: &Path, reason: String| Err(DatasetError::of(path, reason));
         let mut state = State { plan, done: 0 };
         let file = folder.join(STATE_FILE);
         if resume && file.is_file() {
@@ -134,18 +168,10 @@ impl Dataset {
                 );
             }
             state.done = earlier.done;
-        } else if folder.is_dir()
-            && std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some())
-        {
-            return error(
-                folder,
-                "is not empty; give a new folder, or --resume to continue a data set".to_owned(),
-            );
+        } else {
+            files::check_empty(folder, "give a new folder, or --resume to continue a data set")?;
         }
-        if !folder.is_dir() {
-            std::fs::create_dir(folder)
-                .map_err(|source| OutputError::Write { path: folder.to_owned(), source })?;
-        }
+        files::create(folder)?;
         OutputFile::new(&file)?;
         Ok(Self { folder: folder.to_owned(), state })
     }
@@ -186,100 +212,43 @@ impl Dataset {
             added.then_some(()).ok_or(interrupted)
         };
         let mut noisy = reference.film()?;
-        sample(&reference, &mut noisy)?;
+        while noisy.samples() < plan.samples.into() {
+            sample(&reference, &mut noisy)?;
+        }
         // Another seed keeps the noise of both pictures independent.
         reference.reseed(settings.seed.wrapping_add(1));
         let mut clean = reference.film()?;
         while clean.samples() < plan.spp {
             sample(&reference, &mut clean)?;
         }
-        self.save_pictures(frame, &noisy, &clean)?;
+        self.save_frame(scene, frame, &noisy, &clean)?;
         self.state.done = frame + 1;
         OutputFile::new(self.folder.join(STATE_FILE))?.save_json(&self.state)?;
         Ok(true)
     }
 
-    fn save_pictures(&self, frame: u32, noisy: &Film, clean: &Film) -> Result<(), DatasetError> {
-        let picture = noisy.picture();
-        let covered: Vec<bool> = noisy.covered().collect();
-        let layer = |name: &str| picture.layers.iter().find(|layer| layer.name == name).map(channels);
-        let albedo: Vec<[f32; 3]> = layer("albedo").unwrap_or_default();
-        let albedo: Vec<[f32; 3]> = albedo
-            .iter()
-            .zip(&covered)
-            .map(|(albedo, covered)| albedo.map(|a| if *covered && a >= MIN_ALBEDO { a } else { 1.0 }))
-            .collect();
-        let demodulated =
-            picture.colour.iter().zip(&albedo).map(|(colour, albedo)| divided(*colour, *albedo));
-        for (name, pixels) in [
-            ("color", demodulated.collect()),
-            ("albedo", albedo.clone()),
-            ("reference", clean.picture().colour),
-            ("shading_normal", layer("normal").unwrap_or_default()),
-            ("world_position", layer("position").unwrap_or_default()),
-        ] {
-            let (width, height) = (picture.width, picture.height);
-            let picture = Picture { width, height, colour: pixels, ..Picture::default() };
-            OutputFile::new(self.folder.join(format!("{name}{frame}.exr")))?.save_exr(&picture)?;
+    fn save_frame(&self, scene: &Scene, frame: u32, noisy: &Film, clean: &Film) -> Result<(), DatasetError> {
+        let plan = &self.state.plan;
+        let state = |frame: u32| FrameState::of(&scene.pose(f64::from(frame) * plan.time_step), plan.size);
+        let now = state(frame);
+        let mut picture = noisy.picture();
+        let motion = motion::motion(&picture, &now, &state(frame.saturating_sub(1)));
+        picture.layers.push(Layer::of_channels("motion", &["X", "Y"], &motion));
+        picture.layers.push(Layer::single("roughness", "Y", noisy.roughness().collect()));
+        files::save_pictures(&self.folder, frame, &picture)?;
+        if plan.spp > 0 {
+            let size = [picture.width, picture.height];
+            files::save_rgb(&self.folder, "reference", frame, size, clean.picture().colour)?;
         }
-        Ok(())
+        Ok(files::save_state(&self.folder, frame, &now)?)
     }
 
     fn save_matrices(&self, scene: &Scene) -> Result<(), DatasetError> {
         let plan = &self.state.plan;
         let poses = (0..plan.frames).map(|frame| scene.pose(f64::from(frame) * plan.time_step).camera);
         let aspect = plan.size[0] as f32 / plan.size[1] as f32;
-        let matrices: Vec<Mat4> = poses.map(|camera| camera_matrix(&camera, aspect)).collect();
+        let matrices: Vec<_> = poses.map(|camera| camera_matrix(&camera, aspect)).collect();
         let radius = scene.bounding_sphere(&scene.pose(0.0)).radius;
-        let text = header(plan, &matrices, radius);
-        Ok(OutputFile::new(self.folder.join(MATRICES_FILE))?.save_text(&text)?)
+        Ok(matrices::save(&self.folder, &plan.scene, &matrices, radius)?)
     }
-}
-
-/// World to clip space: x to the right, y down, each from -w to w.
-fn camera_matrix(camera: &Camera, aspect: f32) -> Mat4 {
-    camera.projection_matrix(aspect) * camera.view_matrix()
-}
-
-/// The C header: for a row vector p = (position, 1), p times `camera_matrices[f]` is the point in clip space.
-fn header(plan: &DatasetPlan, matrices: &[Mat4], radius: f32) -> String {
-    let frames = matrices.len();
-    let mut text = format!(
-        "// {}, {frames} frames, by glowworm dataset.\n\
-         // (x, y, z, w) = (position, 1) * camera_matrices[f], row vector times matrix;\n\
-         // pixel, from the top left = ((x, y) / w + 1) / 2 * size - offset.\n\n\
-         const float position_limit_squared = {:?};\n\
-         const float normal_limit_squared = {:?};\n\n\
-         const float camera_matrices[{frames}][4][4] = {{\n",
-        plan.scene,
-        (POSITION_LIMIT * radius).powi(2),
-        NORMAL_LIMIT.powi(2),
-    );
-    // Writing to a String cannot fail. The memory of a matrix by columns is that of its transpose by rows.
-    for matrix in matrices {
-        text += "  {\n";
-        for [x, y, z, w] in matrix.to_cols_array_2d().map(|row| row.map(decimal)) {
-            let _ = writeln!(text, "    {{ {x}, {y}, {z}, {w} }},");
-        }
-        text += "  },\n";
-    }
-    let _ = writeln!(text, "}};\n\nconst float pixel_offsets[{frames}][2] = {{");
-    text += &"  { 0.5, 0.5 },\n".repeat(frames);
-    text + "};\n"
-}
-
-/// Without an exponent, which not every parser of such files accepts, and with a decimal point.
-fn decimal(value: f32) -> String {
-    let text = value.to_string();
-    if text.contains('.') { text } else { text + ".0" }
-}
-
-fn divided(colour: [f32; 3], albedo: [f32; 3]) -> [f32; 3] {
-    (Vec3::from(colour) / Vec3::from(albedo)).to_array()
-}
-
-/// The first three channels of a layer, interleaved.
-fn channels(layer: &Layer) -> Vec<[f32; 3]> {
-    let channel = |index: usize| &layer.channels[index].1;
-    (0..channel(0).len()).map(|at| [0, 1, 2].map(|index| channel(index)[at])).collect()
 }
