@@ -92,10 +92,22 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("gpu_scene", &["bvh", "report", "scene", "settings", "vulkan"]),
     ("passes", &["bvh", "gpu_scene", "report", "scene", "settings", "vulkan"]),
     ("denoise", &["gpu_scene", "passes", "report", "settings", "vulkan"]),
+    ("filters", &["passes", "report", "scene", "settings", "vulkan"]),
     ("effects", &["denoise", "gpu_scene", "passes", "report", "scene", "settings", "vulkan"]),
     (
         "estimators",
-        &["bvh", "denoise", "effects", "gpu_scene", "passes", "report", "scene", "settings", "vulkan"],
+        &[
+            "bvh",
+            "denoise",
+            "effects",
+            "filters",
+            "gpu_scene",
+            "passes",
+            "report",
+            "scene",
+            "settings",
+            "vulkan",
+        ],
     ),
     ("estimators/vpls/manager", &["bvh", "formats", "report", "sampling", "scene", "settings", "statistics"]),
     (

@@ -1,7 +1,7 @@
 //! Filters in cells of space: a hash map on the device holds the mean irradiance of the vertices in each cell (Meijer 2019; HPSF and
 //! nHPSF), also as a radiance cache that is read behind the visible surface alone.
 //!
-//! In: vertices of paths. Out: irradiance. The map's memory is 60 bytes a slot; shaders/filters/cell_map.glsl has its layout.
+//! In: vertices of paths. Out: irradiance. The map's memory is 60 bytes a slot; shaders/include/cell_map.glsl has its layout.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ pub const COUNTERS: [&str; 3] = ["cells.occupied", "cells.dropped", "cells.evict
 /// Words of all counters of cells.
 pub const COUNTER_WORDS: u64 = 32;
 
-/// Words of a slot's sums. Twin: SUM_WORDS in shaders/filters/cells.glsl.
+/// Words of a slot's sums. Twin: SUM_WORDS in shaders/include/cells.glsl.
 const SUM_WORDS: u64 = 8;
 /// Frames that the mean of a cell is of while lights or objects change, and for how many frames afterwards.
 const CHANGING_WINDOW: u32 = 2;
@@ -63,7 +63,7 @@ pub struct CellFilter {
     lit_by: LitBy,
 }
 
-/// The hash map on the device: shaders/filters/cell_map.glsl.
+/// The hash map on the device: shaders/include/cell_map.glsl.
 struct CellBuffers {
     keys: Buffer,
     sums: Buffer,
@@ -97,9 +97,7 @@ impl CellBuffers {
     }
 
     fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.write("cell_keys", &self.keys)
-            .write("cell_sums", &self.sums)
-            .write("cell_means", &self.means)
+        pass.write("cell_keys", &self.keys).write("cell_sums", &self.sums).write("cell_means", &self.means)
     }
 }
 
@@ -125,17 +123,15 @@ impl LitBy {
             self.environment.clone_from(&pose.environment);
             self.instances.clone_from(&pose.instances);
         }
-        let since = if is_same { self.since.map_or(CHANGING_FRAMES, |since| since.saturating_add(1)) } else { 0 };
+        let since =
+            if is_same { self.since.map_or(CHANGING_FRAMES, |since| since.saturating_add(1)) } else { 0 };
         self.since = Some(if is_first { CHANGING_FRAMES } else { since });
         self.since < Some(CHANGING_FRAMES)
     }
 }
 
 impl CellFilter {
-    pub(super) fn new(
-        device: &Arc<Device>,
-        settings: &Settings,
-    ) -> Result<Self, VulkanError> {
+    pub(super) fn new(device: &Arc<Device>, settings: &Settings) -> Result<Self, VulkanError> {
         let count = vertices(settings);
         let is_cache = settings.paths.filter == PathFilter::Cache;
         // What is behind the last layer is not known, so that would be a mean of the paths alone that end there.

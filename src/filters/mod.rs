@@ -2,13 +2,12 @@
 //!
 //! In: irradiance of the visible surfaces by paths, and the vertices of these. Out: irradiance. They know nothing of how paths are traced.
 
-pub mod cell_map;
 mod cells;
 mod window;
 
 use std::sync::Arc;
 
-pub use cells::{COUNTERS, COUNTER_WORDS, PASSES as CELL_PASSES};
+pub use cells::{COUNTER_WORDS, COUNTERS, PASSES as CELL_PASSES};
 
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image_array;
@@ -77,10 +76,7 @@ impl Filter {
     ///
     /// # Errors
     /// Where the device lacks memory.
-    pub fn new(
-        device: &Arc<Device>,
-        settings: &Settings,
-    ) -> Result<Option<Self>, VulkanError> {
+    pub fn new(device: &Arc<Device>, settings: &Settings) -> Result<Option<Self>, VulkanError> {
         Ok(match settings.paths.filter {
             PathFilter::None => None,
             PathFilter::Sspsf => Some(Self::Window(WindowFilter::new(device, settings.size)?)),

@@ -99,6 +99,8 @@ fn light_without_paths(settings: &Settings) -> Option<Conflict> {
     };
     Some(Conflict {
         keys: [key, "indirect"],
-        message: format!("--{key} is for paths, so --indirect must be paths as well; choose it, or another --{key}"),
+        message: format!(
+            "--{key} is for paths, so --indirect must be paths as well; choose it, or another --{key}"
+        ),
     })
 }

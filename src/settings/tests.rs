@@ -140,7 +140,7 @@ fn options_set_their_fields() {
     assert_eq!(settings.vpl.sequence, Sequence::Random);
     let names = |kind: Kind| kind.choices().iter().map(|of| of.get_name().to_owned()).collect::<Vec<_>>();
     assert_eq!(names(find("denoise").unwrap().kind), ["svgf", "bmfr", "none"]);
-    assert_eq!(names(find("direct").unwrap().kind), ["auto", "hard", "soft"]);
+    assert_eq!(names(find("direct").unwrap().kind), ["auto", "hard", "soft", "paths"]);
     assert_eq!(names(find("tracer").unwrap().kind), ["auto", "software", "hardware"]);
 }
 
@@ -170,7 +170,7 @@ fn errors_of_a_scene_file_are_not_wrong_usage() {
         ("vlps = 9", "[settings] vlps: unknown setting; known are indirect, "),
         ("vpls = 2.5", "[settings] vpls = 2.5: must be a whole number"),
         ("vpls = true", "[settings] vpls = true: must be a whole number"),
-        ("direct = \"maps\"", "[settings] direct = maps: must be one of auto, hard, soft"),
+        ("direct = \"maps\"", "[settings] direct = maps: must be one of auto, hard, soft, paths"),
         ("size = [1, 2, 3]", "[settings] size = [1, 2, 3]: must be a width and a height"),
         ("[vpls]\nvpls = 0", "[settings] vpls = 0: must be a whole number, 1 to 65536"),
         (

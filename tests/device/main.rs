@@ -11,6 +11,7 @@ mod program;
 mod support;
 
 mod bsdf;
+mod cells;
 mod hits;
 mod noise;
 mod one_view;

@@ -11,6 +11,7 @@ mod direct;
 mod environment;
 mod estimators;
 mod exposure;
+mod filters;
 mod forgetting;
 mod gltf_files;
 mod gltf_materials;

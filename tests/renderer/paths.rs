@@ -21,12 +21,12 @@ const FRAMES: u32 = 48;
 /// Noisy frames as they are.
 fn noisy() -> Settings {
     let effects = EffectSettings { denoise: Denoise::NONE, ..EffectSettings::default() };
-    let paths = PathSettings { samples: 16 };
+    let paths = PathSettings { samples: 16, ..PathSettings::default() };
     Settings { size: [SIDE; 2], indirect: Indirect::PATHS, effects, paths, ..plain() }
 }
 
 /// A corner with a box in it, glossy and matt, under the lights.
-fn corner(lights: &str) -> Arc<Scene> {
+pub(super) fn corner(lights: &str) -> Arc<Scene> {
     scene(&format!(
         r#"
         [[models]]
@@ -166,7 +166,7 @@ fn direct_light_of_paths_is_that_of_the_reference() {
 #[test]
 fn rays_are_counted() {
     let Some(gpu) = GpuFixture::open() else { return };
-    let settings = Settings { paths: PathSettings { samples: 1 }, ..noisy() };
+    let settings = Settings { paths: PathSettings { samples: 1, ..PathSettings::default() }, ..noisy() };
     let light = "[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]";
     let mut renderer = gpu.rendered(&corner(light), &settings, 2);
     let reports = renderer.finish().unwrap();

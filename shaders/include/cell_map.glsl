@@ -1,5 +1,5 @@
 // The map's buffers, and what inserts a sample and reads a cell. Define CELL_MAP_BINDING, the first of three, and include cells.glsl before.
-// Twin: src/filters/cell_map.rs.
+// Twin: tests/device/cells.rs.
 
 // The verification of each slot; 0: free.
 layout(set = 0, binding = CELL_MAP_BINDING, std430) buffer CellKeyBlock { uint words[]; } cell_keys;

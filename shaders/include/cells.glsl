@@ -1,6 +1,6 @@
 // A hash map of cells of space on the device (Meijer 2019, after Binder et al. 2018): a key of quantised position, level of detail and
 // normal, hashed twice, to the slot where probing begins and to the word that verifies it; sums by 32-bit atomics in fixed point, whose
-// result does not depend on their order. Twin: src/filters/cell_map.rs.
+// result does not depend on their order. Twin: tests/device/cells.rs.
 
 // Of a slot's eight words: the low and the high words of red, green and blue, and the number of samples.
 const uint SUM_WORDS = 8u;

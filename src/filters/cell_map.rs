@@ -1,1 +1,0 @@
-//! A hash map of cells on the CPU.

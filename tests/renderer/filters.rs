@@ -1,0 +1,145 @@
+//! Path-space filters against the path tracer: energy, noise, fallback, and light that is gone.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use glowworm::renderer::Renderer;
+use glowworm::scene::{LightKind, Scene};
+use glowworm::settings::{
+    CellSettings, Denoise, EffectSettings, Indirect, PathFilter, PathSettings, Settings,
+};
+
+use super::paths::corner;
+use super::reference::reference;
+use super::support::{GpuFixture, layer, luminance, mean, named_scene, plain};
+
+const SIDE: u32 = 48;
+const BOUNCES: u32 = 2;
+/// Bounces that stand for all of them.
+const ALL_BOUNCES: u32 = 24;
+
+fn by(filter: PathFilter, cells: CellSettings) -> Settings {
+    Settings {
+        size: [SIDE; 2],
+        indirect: Indirect::PATHS,
+        bounces: BOUNCES,
+        effects: EffectSettings { denoise: Denoise::NONE, ..EffectSettings::default() },
+        paths: PathSettings { filter, ..PathSettings::default() },
+        cells: CellSettings { width: 4.0, ..cells },
+        still_frames: 0,
+        ..plain()
+    }
+}
+
+fn irradiance(renderer: &Renderer) -> Vec<[f32; 3]> {
+    layer(&renderer.read_picture(true).unwrap(), "indirect")
+}
+
+/// The mean of so many frames after the first `before`, of which the last is given as well.
+fn frames(
+    gpu: &GpuFixture,
+    scene: &Arc<Scene>,
+    settings: &Settings,
+    [before, count]: [u32; 2],
+) -> [Vec<[f32; 3]>; 2] {
+    let pose = scene.pose(0.0);
+    let mut renderer = gpu.renderer(scene, settings, &pose);
+    let mut sum = vec![[0.0; 3]; (SIDE * SIDE) as usize];
+    let mut last = Vec::new();
+    for frame in 0..before + count {
+        renderer.render(&pose).unwrap();
+        if frame < before {
+            continue;
+        }
+        last = irradiance(&renderer);
+        for (sum, light) in sum.as_flattened_mut().iter_mut().zip(last.as_flattened()) {
+            *sum += light / count as f32;
+        }
+    }
+    [sum, last]
+}
+
+fn mean_light(light: &[[f32; 3]]) -> f32 {
+    mean(light.iter().map(luminance))
+}
+
+fn rmse(light: &[[f32; 3]], expected: &[[f32; 3]]) -> f32 {
+    mean(light.iter().zip(expected).map(|(a, b)| (luminance(a) - luminance(b)).powi(2))).sqrt()
+}
+
+#[test]
+fn no_filter_loses_light_or_adds_any() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let of = |bounces| layer(&reference(&scene, [SIDE; 2], bounces, 512), "indirect");
+    let (expected, of_all) = (of(BOUNCES), of(ALL_BOUNCES));
+    let raw =
+        rmse(&frames(&gpu, &scene, &by(PathFilter::None, CellSettings::default()), [0, 1])[1], &expected);
+    for (filter, expected, tolerance, noise) in [
+        // A mean over windows of one surface weighs pixels near its edges more than others.
+        (PathFilter::Sspsf, &expected, 0.03, 0.5),
+        (PathFilter::Hpsf, &expected, 0.02, 0.35),
+        (PathFilter::Nhpsf, &of_all, 0.03, 0.35),
+        (PathFilter::Cache, &of_all, 0.02, 0.9),
+    ] {
+        let [average, last] = frames(&gpu, &scene, &by(filter, CellSettings::default()), [60, 60]);
+        let (ratio, error) = (mean_light(&average) / mean_light(expected), rmse(&last, expected) / raw);
+        println!("{filter:?}: mean {ratio}, error {error} of that of one path");
+        assert!((ratio - 1.0).abs() < tolerance, "{filter:?}: the mean is {ratio} of the reference's");
+        assert!(error < noise, "{filter:?}: {error} of the error of one path");
+    }
+}
+
+#[test]
+fn without_probes_it_is_the_path_tracer() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let cells = CellSettings { probes: 0, ..CellSettings::default() };
+    let [_, expected] = frames(&gpu, &scene, &by(PathFilter::None, cells), [2, 1]);
+    for filter in [PathFilter::Hpsf, PathFilter::Nhpsf, PathFilter::Cache] {
+        assert!(frames(&gpu, &scene, &by(filter, cells), [2, 1])[1] == expected, "{filter:?}");
+    }
+}
+
+#[test]
+fn a_full_map_drops_counts_and_keeps_the_mean() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let cells = CellSettings { capacity: 256, probes: 8, ..CellSettings::default() };
+    let settings = Settings { cells: CellSettings { width: 1.0, ..cells }, ..by(PathFilter::Hpsf, cells) };
+    let expected = layer(&reference(&scene, [SIDE; 2], BOUNCES, 512), "indirect");
+    let [average, _] = frames(&gpu, &scene, &settings, [8, 48]);
+    let ratio = mean_light(&average) / mean_light(&expected);
+    assert!((ratio - 1.0).abs() < 0.03, "the mean is {ratio} of the reference's");
+    let mut renderer = gpu.rendered(&scene, &settings, 4);
+    let report = renderer.finish().unwrap().pop().unwrap();
+    let count = |name: &str| report.figures.counters.get(name);
+    assert!(count("cells.dropped") > 100 && count("cells.occupied") > 200, "{:?}", report.figures.counters);
+}
+
+#[test]
+fn light_that_is_switched_off_is_forgotten_and_reruns_are_the_same() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = corner("[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]");
+    let (lit, mut dark) = (scene.pose(0.0), scene.pose(0.0));
+    dark.lights[0].kind = LightKind::Point { intensity: Vec3::splat(4e-3) };
+    for filter in [PathFilter::Hpsf, PathFilter::Nhpsf, PathFilter::Cache] {
+        let settings = by(filter, CellSettings::default());
+        let run = || {
+            let mut renderer = gpu.renderer(&scene, &settings, &lit);
+            for _ in 0..24 {
+                renderer.render(&lit).unwrap();
+            }
+            let before = irradiance(&renderer);
+            for _ in 0..9 {
+                renderer.render(&dark).unwrap();
+            }
+            (before, irradiance(&renderer))
+        };
+        let (before, after) = run();
+        let left = mean_light(&after) / mean_light(&before);
+        println!("{filter:?}: {left} is left after 8 frames");
+        assert!(left < 0.05, "{filter:?}: {left} of the light is left");
+        assert!(run() == (before, after), "{filter:?}: another run has other bits");
+    }
+}
