@@ -80,7 +80,8 @@ fn no_filter_loses_light_or_adds_any() {
         (PathFilter::Sspsf, &expected, 0.03, 0.5),
         (PathFilter::Hpsf, &expected, 0.02, 0.35),
         (PathFilter::Nhpsf, &of_all, 0.03, 0.35),
-        (PathFilter::Cache, &of_all, 0.02, 0.9),
+        // The noise of the first vertex is left to the denoiser.
+        (PathFilter::Cache, &of_all, 0.02, 1.0),
     ] {
         let [average, last] = frames(&gpu, &scene, &by(filter, CellSettings::default()), [60, 60]);
         let (ratio, error) = (mean_light(&average) / mean_light(expected), rmse(&last, expected) / raw);
