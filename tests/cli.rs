@@ -230,7 +230,8 @@ fn passes_are_listed_without_a_device() {
         listed.iter().filter(|line| line[1..] == [method]).map(|line| line[0]).collect::<Vec<_>>()
     };
     assert_eq!(of("vpls").len(), 12);
-    assert_eq!(of("paths"), ["paths_trace", "paths_light_hits"]);
+    let paths = ["paths_trace", "sspsf", "cells_insert", "cells_resolve", "cells_read", "paths_light_hits"];
+    assert_eq!(of("paths"), paths);
     assert_eq!(of("shared").len() + of("vpls").len(), PASS_NAMES.len());
     assert!(of("shared").contains(&"gbuffer") && of("shared").contains(&"taa"));
     let report = json(&run, "passes.json");

@@ -1,7 +1,7 @@
 //! Filters in cells of space: a hash map on the device holds the mean irradiance of the vertices in each cell (Meijer 2019; HPSF and
 //! nHPSF), also as a radiance cache that is read behind the visible surface alone.
 //!
-//! In: vertices of paths. Out: irradiance. The map's memory is 60 bytes a slot; shaders/include/cell_map.glsl has its layout.
+//! In: vertices of paths. Out: irradiance. The map's memory is 56 bytes a slot; shaders/include/cell_map.glsl has its layout.
 
 use std::sync::Arc;
 
