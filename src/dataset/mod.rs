@@ -6,7 +6,7 @@
 //! with albedo; `shading_normal{f}.exr`; `world_position{f}.exr`; and for all frames `camera_matrices.h`. All
 //! camera rays go through pixel centres, so noise, features and reference of a pixel belong to one surface point.
 //! Where a camera ray misses, normal and position are 0 and the albedo is 1. The noisy light apart, with what else a denoiser
-//! may read, is in further files: see [`files`].
+//! may read, is in further files: see files.rs.
 //!
 //! - `files`: the files of a frame, as they are written.
 //! - `matrices`: `camera_matrices.h`.
