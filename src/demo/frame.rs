@@ -98,7 +98,7 @@ impl App {
                     ),
                     None => self.log.event("scene-edited", &built.name),
                 }
-                open.show(built)?;
+                open.switch_to(built)?;
             }
             // Without any scene this is fatal.
             Some(Err(error)) if open.session.is_none() => return Err(error),
@@ -133,8 +133,8 @@ impl App {
 }
 
 impl Open {
-    /// Shows a loaded scene, or the current one with a rebuilt renderer.
-    fn show(&mut self, built: Built) -> Result<(), DemoError> {
+    /// Goes on with a loaded scene, or the current one with a rebuilt renderer.
+    fn switch_to(&mut self, built: Built) -> Result<(), DemoError> {
         match &mut self.session {
             Some(session) if built.same && session.name == built.name => {
                 let view = session.renderer.view().clone();
@@ -257,7 +257,7 @@ impl Open {
                 inspector: &self.inspector,
                 mode: self.mode,
             };
-            actions.extend(panel::show(ui, &mut self.panel, &mut shown));
+            actions.extend(panel::draw(ui, &mut self.panel, &mut shown));
         });
         self.actions.extend(actions);
         self.egui.handle_platform_output(&self.window, output.platform_output);

@@ -53,8 +53,8 @@ impl Split {
         Ok(Self { at: 0.5, shows_difference: false, right, metrics: LiveMetrics::default() })
     }
 
-    /// Shows something else right of the divider.
-    pub fn show(
+    /// Sets what is right of the divider.
+    pub fn set_right(
         &mut self,
         device: &Arc<Device>,
         session: &mut Session,

@@ -103,7 +103,7 @@ impl Open {
         let had_renderer = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
         let restarts = matches!(side, RightSide::Settings(_)) && !had_renderer;
         let done = match &mut self.split {
-            Some(split) => split.show(&self.gpu.device, session, side),
+            Some(split) => split.set_right(&self.gpu.device, session, side),
             None => Split::new(&self.gpu.device, session, side).map(|split| self.split = Some(split)),
         };
         match done {

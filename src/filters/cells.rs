@@ -117,16 +117,19 @@ impl LitBy {
         let is_same = self.lights == pose.lights
             && self.environment == pose.environment
             && self.instances == pose.instances;
-        let is_first = self.since.is_none();
         if !is_same {
             self.lights.clone_from(&pose.lights);
             self.environment.clone_from(&pose.environment);
             self.instances.clone_from(&pose.instances);
         }
-        let since =
-            if is_same { self.since.map_or(CHANGING_FRAMES, |since| since.saturating_add(1)) } else { 0 };
-        self.since = Some(if is_first { CHANGING_FRAMES } else { since });
-        self.since < Some(CHANGING_FRAMES)
+        let since = match self.since {
+            // The map is empty.
+            None => CHANGING_FRAMES,
+            Some(since) if is_same => since.saturating_add(1),
+            Some(_) => 0,
+        };
+        self.since = Some(since);
+        since < CHANGING_FRAMES
     }
 }
 
@@ -149,6 +152,10 @@ impl CellFilter {
             filtered: storage_image(device, "filtered", vk::Format::R16G16B16A16_SFLOAT, settings.size)?,
             lit_by: LitBy::default(),
         })
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.lit_by.since = Some(0);
     }
 
     pub(super) fn output(&self) -> &Image {

@@ -100,6 +100,13 @@ impl Filter {
         }
     }
 
+    /// Forgets the light of earlier frames as after a change of lights: materials have changed.
+    pub fn forget(&mut self) {
+        if let Self::Cells(cells) = self {
+            cells.forget();
+        }
+    }
+
     /// The filtered irradiance of the last frame, RGBA16F.
     pub fn output(&self) -> &Image {
         match self {

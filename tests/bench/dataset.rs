@@ -6,40 +6,14 @@ use std::sync::LazyLock;
 
 use glowworm::output::Picture;
 
+use super::denoise::PLAIN;
 use super::program::{Run, assert_fails, stderr};
 
 const SIZE: [usize; 2] = [40, 24];
 
-/// A camera that flies through a room with a textureless wall and open sky.
-const SCENE: &str = r#"
-[[models]]
-name = "floor"
-primitive = "quad"
-size = [4, 4, 4]
-material = { albedo = [0.8, 0.5, 0.0] }
-[[models]]
-name = "box"
-primitive = "box"
-size = [1, 1, 1]
-material = { albedo = [0.2, 0.6, 0.9] }
-[[instances]]
-model = "floor"
-[[instances]]
-model = "box"
-translation = [0.3, 0.5, 0.2]
-[[lights]]
-type = "point"
-position = [1, 3, 2]
-intensity = [20, 19, 17]
-[camera]
-eye = [0, 1.5, 4]
-target = [0, 0.4, 0]
-animation = { keyframes = [{ time = 0 }, { time = 1, translation = [2, 1, -1], rotation = [-10, 20, 5] }] }
-"#;
-
 static DONE: LazyLock<Run> = LazyLock::new(|| {
     let run = Run::new();
-    fs::write(run.path("my.toml"), SCENE).unwrap();
+    fs::write(run.path("my.toml"), PLAIN).unwrap();
     let output = run.glowworm(&dataset("a", &[]));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     run
@@ -120,7 +94,7 @@ fn colour_times_albedo_is_the_picture() {
 #[test]
 fn an_interrupted_data_set_goes_on() {
     let run = Run::new();
-    fs::write(run.path("my.toml"), SCENE).unwrap();
+    fs::write(run.path("my.toml"), PLAIN).unwrap();
     fs::create_dir(run.path("b")).unwrap();
     // As if only the first frame were finished.
     let state = fs::read_to_string(DONE.path("a/glowworm-dataset.json")).unwrap();
@@ -149,7 +123,7 @@ fn an_interrupted_data_set_goes_on() {
 #[test]
 fn more_samples_are_less_noisy_and_references_may_be_left_out() {
     let run = Run::new();
-    fs::write(run.path("my.toml"), SCENE).unwrap();
+    fs::write(run.path("my.toml"), PLAIN).unwrap();
     let output = run.glowworm(&dataset("c", &["--samples", "16", "--spp", "0"]));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(!Path::new(&run.path("c/reference0.exr")).exists());

@@ -15,7 +15,7 @@ use super::support::GpuFixture;
 const FRAMES: u32 = 4;
 
 /// A camera that flies past a box that turns and moves, under a lamp, without gloss.
-const PLAIN: &str = r#"
+pub(super) const PLAIN: &str = r#"
 [[models]]
 name = "floor"
 primitive = "quad"

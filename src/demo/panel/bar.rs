@@ -28,7 +28,7 @@ pub(super) fn height(width: f32) -> f32 {
     MARGINS + ROW * (FULL / width.max(1.0)).ceil().clamp(1.0, 3.0)
 }
 
-pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         rate(ui, shown);
         scenes(ui, state, shown, actions);

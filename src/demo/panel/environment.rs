@@ -15,7 +15,7 @@ const COLOUR: [f32; 3] = [0.5; 3];
 /// Strength of a map: the most, and the least above 0.
 const STRENGTH: [f32; 2] = [100.0, 0.01];
 
-pub(super) fn show(
+pub(super) fn draw(
     ui: &mut Ui,
     state: &mut PanelState,
     shown: &Shown<'_>,

@@ -5,7 +5,7 @@ use egui::{Grid, Ui, Window};
 use super::PanelState;
 use crate::demo::action::{BINDINGS, GESTURES};
 
-pub(super) fn show(ui: &mut Ui, state: &mut PanelState) {
+pub(super) fn draw(ui: &mut Ui, state: &mut PanelState) {
     let corner = state.viewport(ui.ctx()).min;
     let window = Window::new("Keys")
         .open(&mut state.help)

@@ -7,7 +7,7 @@ use crate::estimators::views;
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::DebugView;
 
-pub(super) fn show(ui: &Ui, view: &DebugView) {
+pub(super) fn draw(ui: &Ui, view: &DebugView) {
     let buffer = views().find(|known| known.name == view.buffer && known.name != COMBINED);
     let paths = vpls::legend(view);
     if buffer.is_none() && paths.is_none() {

@@ -12,7 +12,7 @@ use crate::scene::{Alpha, Material};
 /// Most that the slopes of a normal map are multiplied by.
 const NORMAL_SCALE: f32 = 4.0;
 
-pub(super) fn show(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let (Some(session), Some(index)) = (shown.session, shown.inspector.material()) else { return };
     let Some(material) = session.scene.materials.get(index) else { return };
     let (viewport, places) = (state.viewport(ui.ctx()), &mut state.places);

@@ -129,7 +129,7 @@ pub(super) fn window_around(picture: [u32; 2], scale: f32) -> [u32; 2] {
 }
 
 /// Lays out panel and overlays; returns the user's actions.
-pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -> Vec<Action> {
+pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -> Vec<Action> {
     let mut actions = Vec::new();
     state.places.clear();
     let viewport = state.viewport(ui.ctx());
@@ -142,10 +142,10 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         notices::caption(ui, viewport, caption);
     }
     if state.help {
-        help::show(ui, state);
+        help::draw(ui, state);
     }
     notices::error(ui, state);
-    unsaved::show(ui, state, &mut actions);
+    unsaved::draw(ui, state, &mut actions);
     state.scene.ask(ui.ctx(), &mut actions);
     if shown.session.is_none() {
         notices::loading(ui, viewport, shown.loader);
@@ -158,7 +158,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     }
     let bar = egui::Panel::top("bar").exact_size(bar::height(ui.ctx().content_rect().width()));
     bar.resizable(false).frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
-        bar::show(ui, state, shown, &mut actions);
+        bar::draw(ui, state, shown, &mut actions);
     });
     let panel = egui::Panel::right("panel").exact_size(WIDTH).resizable(false);
     panel.frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
@@ -169,14 +169,14 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
             follow_focus(ui, state);
         });
     });
-    split::show(ui, state, shown, &mut actions);
+    split::draw(ui, state, shown, &mut actions);
     if shown.inspector.is_on() {
-        material::show(ui, state, shown, &mut actions);
+        material::draw(ui, state, shown, &mut actions);
         vpls::inspector(ui, viewport, shown, &mut actions);
     }
     release_number(ui.ctx(), state);
     if state.welcome && shown.session.is_some() {
-        welcome::show(ui, state, &mut actions);
+        welcome::draw(ui, state, &mut actions);
     }
     actions
 }
@@ -185,7 +185,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
 fn overlays(ui: &Ui, state: &PanelState, session: &Session, mode: Mode) {
     let viewport = state.viewport(ui.ctx());
     handles::paint(ui, session, viewport, mode);
-    legend::show(ui, session.renderer.view());
+    legend::draw(ui, session.renderer.view());
     if session.camera_is_outside() {
         let hint = "The camera has left the scene: Home brings it back.";
         notices::caption(ui, viewport, hint);
@@ -201,22 +201,22 @@ fn sections(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>, actions:
     let mut places = std::mem::take(&mut state.places);
     let mut header = |ui: &Ui, title: &str, response: Response| place(ui, &mut places, title, &response);
     let mut inner = Places::new();
-    let scene = section(ui, "Scene", true, |ui| scene::show(ui, state, shown, &mut inner, actions));
+    let scene = section(ui, "Scene", true, |ui| scene::draw(ui, state, shown, &mut inner, actions));
     header(ui, "Scene", scene);
     let environment = section(ui, "Environment", false, |ui| {
-        environment::show(ui, state, shown, &mut inner, actions);
+        environment::draw(ui, state, shown, &mut inner, actions);
     });
     header(ui, "Environment", environment);
-    let time = section(ui, "Time", true, |ui| time::show(ui, shown, &mut inner, actions));
+    let time = section(ui, "Time", true, |ui| time::draw(ui, shown, &mut inner, actions));
     header(ui, "Time", time);
     let objects =
-        section(ui, "Lights and objects", false, |ui| objects::show(ui, shown, &mut inner, actions));
+        section(ui, "Lights and objects", false, |ui| objects::draw(ui, shown, &mut inner, actions));
     header(ui, "Lights and objects", objects);
-    let views = section(ui, "Debug views", false, |ui| views::show(ui, shown, actions));
+    let views = section(ui, "Debug views", false, |ui| views::draw(ui, shown, actions));
     header(ui, "Debug views", views);
-    let plots = section(ui, "Performance", false, |ui| plots::show(ui, shown));
+    let plots = section(ui, "Performance", false, |ui| plots::draw(ui, shown));
     header(ui, "Performance", plots);
-    let settings = section(ui, "Settings", false, |ui| settings::show(ui, shown, actions));
+    let settings = section(ui, "Settings", false, |ui| settings::draw(ui, shown, actions));
     header(ui, "Settings", settings);
     places.extend(inner);
     state.places = places;

@@ -15,7 +15,7 @@ use crate::scene::LightType;
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
     let Some(session) = shown.session else { return };
     list(ui, session, actions);
     ui.horizontal_wrapped(|ui| {

@@ -10,7 +10,7 @@ use crate::estimators::{self, CounterInfo};
 /// Height of a plot, points.
 const HEIGHT: f32 = 120.0;
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>) {
     let samples: Vec<&Sample> = shown.history.samples().collect();
     if samples.is_empty() {
         return;

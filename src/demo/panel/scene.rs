@@ -87,7 +87,7 @@ impl SceneState {
     }
 }
 
-pub(super) fn show(
+pub(super) fn draw(
     ui: &mut Ui,
     state: &mut PanelState,
     shown: &Shown<'_>,

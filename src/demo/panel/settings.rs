@@ -33,7 +33,7 @@ pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings)
     ]
 }
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let Some(session) = shown.session else { return };
     let mut settings = session.settings.clone();
     let [.., (name, what, dissertation)] = presets(&session.settings);

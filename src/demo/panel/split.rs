@@ -102,7 +102,7 @@ fn scale(ui: &Ui, viewport: Rect) {
 }
 
 /// The divider, and what both sides are.
-pub(super) fn show(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let (Some(session), Some(split)) = (shown.session, shown.split) else { return };
     let viewport = state.viewport(ui.ctx());
     let places = &mut state.places;

@@ -11,7 +11,7 @@ const LEAST_SPAN: f64 = 10.0;
 /// Resolution of the slider, seconds.
 const ROUNDING: f64 = 0.01;
 
-pub(super) fn show(ui: &mut Ui, shown: &mut Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &mut Ui, shown: &mut Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
     let clock = &mut *shown.clock;
     ui.horizontal(|ui| {
         let label = if clock.paused { "Play" } else { "Pause" };

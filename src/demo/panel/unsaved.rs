@@ -5,7 +5,7 @@ use egui::{Id, Modal, Ui};
 use super::{PanelState, place};
 use crate::demo::action::Action;
 
-pub(super) fn show(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
     let Some(pending) = state.pending.clone() else { return };
     let what = match &pending {
         Action::Open(name) => format!("Opening {}", super::scene::short(name)),

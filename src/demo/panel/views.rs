@@ -7,7 +7,7 @@ use crate::demo::action::Action;
 use crate::estimators;
 use crate::renderer::DebugView;
 
-pub(super) fn show(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let Some(session) = shown.session else { return };
     let mut view = session.renderer.view().clone();
     buffers(ui, &mut view);

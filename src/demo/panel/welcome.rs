@@ -13,7 +13,7 @@ const LINES: [&str; 5] = [
     "F1 lists all keys; F2 begins a tour of one minute.",
 ];
 
-pub(super) fn show(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
     let at = state.viewport(ui.ctx()).left_bottom() + egui::vec2(12.0, -36.0);
     let window = Window::new("Welcome to glowworm").fixed_pos(at).pivot(Align2::LEFT_BOTTOM);
     let width = (state.viewport(ui.ctx()).width() - 40.0).clamp(100.0, 640.0);

@@ -9,7 +9,9 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::ray_counters::RayCounters;
-use super::{Axis, CounterInfo, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses};
+use super::{
+    Axis, CounterInfo, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses, World,
+};
 use crate::denoise::SignalNoise;
 use crate::filters::{self, Filter, FilterInputs, PathVertices};
 use crate::gpu_scene::tracer::TracerVariant;
@@ -188,6 +190,12 @@ impl Estimator for Paths {
             for (name, count) in filters::COUNTERS.into_iter().zip(RayCounters::more(read_back)) {
                 counters.insert(name, u64::from(count));
             }
+        }
+    }
+
+    fn change_scene(&mut self, _world: World<'_>) {
+        if let Some(filter) = &mut self.filter {
+            filter.forget();
         }
     }
 
