@@ -43,8 +43,7 @@ as error. RMSE and SSIM are of display luminance (`glowworm compare --luminance`
 {tables}
 
 - **flicker**: mean absolute change of the irradiance from frame to frame at the same surface points, over its mean.
-- **ms**: of a whole frame, mean; **denoiser**: of that the passes that clean the indirect light. The machine was busy with other work: differences
-  below a third say nothing.
+- **ms**: of a whole frame, mean; **denoiser**: of that the passes that clean the indirect light.
 - **rays**: of the shaders, for each pixel of a frame.
 """
 
