@@ -7,3 +7,5 @@ layout(constant_id = 1) const uint LAST = 0u;
 layout(constant_id = 2) const uint VERTICES = 0u;
 // Whether light goes by cells only over at least their width, and levels are dithered.
 layout(constant_id = 3) const bool CACHE = false;
+// Whether paths of earlier frames go on, in two layers behind those of this frame.
+layout(constant_id = 4) const bool CONTINUES = false;

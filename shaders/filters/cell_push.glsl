@@ -11,6 +11,7 @@ layout(push_constant) uniform CellPush {
     uint samples;      // paths a pixel
     uint window;       // frames of the mean; 0: any number
     uint life;         // frames without samples until a cell is evicted
+    uint view;         // of cell_view.comp
 } push;
 
 const uint CELL_NORMAL_EXACT = 0u;

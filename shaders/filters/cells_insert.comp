@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 // Adds the irradiance of vertices to their cells. From a path's end to its beginning: own light, and the albedo of the next vertex times
 // its irradiance, by the cells as they were in the last frame where there are any (Meijer 2019, nHPSF), else by the path itself. In:
 // vertices. Out: sums of cells; the irradiance of each vertex as the path and the cells behind it have it, as its light.
@@ -24,9 +25,11 @@ layout(set = 0, binding = 3, rgba16f) uniform readonly image2D irradiance;
 #define PATH_VERTICES_BINDING 20
 #define PATH_VERTICES_ACCESS
 #include "path_vertices.glsl"
+layout(set = 0, binding = 22, r32ui) uniform readonly uimage2D path_depths;
 
 const uint INSERTS = 0u;
 const uint READS = 8u;
+const uint MOST_DEPTH = 16u;
 
 PathVertex vertex_at(ivec2 pixel, uint layer) {
     ivec3 place = ivec3(pixel, layer);
@@ -83,6 +86,26 @@ void insert_path(ivec2 pixel, uint first) {
     }
 }
 
+// Of paths that the next frame goes on with, by their vertices; a subgroup adds once.
+void count_kept(uint vertices) {
+    for (uint i = 1u; i <= MOST_DEPTH; i++) {
+        uint kept = subgroupAdd(vertices == i ? 1u : 0u);
+        if (kept > 0u && subgroupElect()) count_cells(PATHS_KEPT + i - 1u, kept);
+    }
+}
+
+// The vertex that a path of earlier frames went on from: its light and the cell of the next one. Where that has none, a path that ends
+// there is all that is known (Meijer 2019, A-nHPSF).
+void insert_continued(ivec2 pixel, uint layer) {
+    PathVertex vertex = vertex_at(pixel, layer), next = vertex_at(pixel, layer + 1u);
+    uint kept = imageLoad(path_depths, pixel).x;
+    count_kept(kept);
+    vec3 behind = vec3(0.0);
+    bool is_known = next.state == VERTEX_ABSENT || kept == 0u;
+    if (next.state != VERTEX_ABSENT) look_up(next, distance(vertex.position, next.position), pixel, layer + 1u, behind, is_known);
+    if (is_known) insert(vertex, vertex.light + vertex.next * behind, false, pixel, layer);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
@@ -95,4 +118,5 @@ void main() {
         return;
     }
     for (uint i = 0u; i < push.samples; i++) insert_path(pixel, i * VERTICES);
+    if (CONTINUES) insert_continued(pixel, push.samples * VERTICES);
 }

@@ -7,6 +7,7 @@
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
 #include "tone_map.glsl"
+#include "false_colour.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -56,12 +57,6 @@ const uint MOTION = 17u;
 
 // Movement in pixels that is shown at full strength.
 const float FULL_MOTION = 16.0;
-
-// Neighbouring numbers get colours far apart: their hues go on by the golden ratio.
-vec3 number_colour(uint number) {
-    float hue = fract(float(number) * 0.618034);
-    return 0.55 + 0.45 * cos(2.0 * PI * (vec3(hue) + vec3(0.0, 1.0, 2.0) / 3.0));
-}
 
 // What arrives of the lights at a pixel, on average.
 vec3 visibility(ivec2 pixel) {

@@ -11,6 +11,7 @@ use super::{CliError, device, say};
 use crate::dataset::LiveDataset;
 use crate::estimators;
 use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplDebugView, Vpls};
+use crate::filters;
 use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
@@ -89,6 +90,13 @@ impl ViewOptions {
         if self.view_set >= settings.vpl.temporal_sets {
             let (set, sets) = (self.view_set, settings.vpl.temporal_sets);
             return wrong(format!("--view-set {set}: must be below --temporal-sets, which is {sets}"));
+        }
+        let needs_cells = filters::VIEWS.iter().any(|view| view.name == self.view);
+        if needs_cells && !settings.paths.filter.has_cells() {
+            return wrong(format!(
+                "--view {}: there are no cells; choose --indirect paths and --filter hpsf, nhpsf, a-nhpsf or cache",
+                self.view
+            ));
         }
         match self.single_vpl {
             Some(slot) if slot >= settings.vpl.slots => {

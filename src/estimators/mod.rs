@@ -20,6 +20,7 @@ use serde_json::{Map, Value};
 
 pub use crate::bvh::World;
 use crate::gpu_scene::tracer::TracerVariant;
+pub use crate::passes::hits::Hits;
 pub use method::{Axis, CounterInfo, Method, MethodPasses};
 pub use pass_list::{is_part, passes, passes_with};
 
@@ -54,16 +55,6 @@ pub struct IrradianceSignal<'a> {
     pub noisy: &'a Image,
     /// Variance of its luminance, R32F, if it is known.
     pub variance: Option<&'a Image>,
-}
-
-/// Surfaces that reflection rays have hit and that are not on the screen: shaders/include/hit_record.glsl.
-pub struct Hits<'a> {
-    /// Where they are: RGBA32UI.
-    pub place: &'a Image,
-    /// Weight of their irradiance in the reflection, and a random number from 0 to 1: RGBA16F.
-    pub weight: &'a Image,
-    /// The reflection, RGBA16F, to which their light is added.
-    pub reflection: &'a Image,
 }
 
 /// A method of indirect light. One frame: [`Self::update`], then [`Self::record`].

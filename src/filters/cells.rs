@@ -8,8 +8,10 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
 
+use super::cell_view::CellViewPass;
 use super::{FilterInputs, pixel_spread, vertices};
 use crate::passes::frame_inputs::FrameInputs;
+use crate::passes::hits::Hits;
 use crate::passes::storage_image;
 use crate::report::PassInfo;
 use crate::scene::{Environment, Light, Pose};
@@ -17,15 +19,23 @@ use crate::settings::{CellSettings, PathFilter, Settings};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
 /// The passes, in the order of the frame.
-pub const PASSES: [PassInfo; 3] = [
+pub const PASSES: [PassInfo; 4] = [
     PassInfo::new("cells_insert", [44, 130, 90]),
     PassInfo::new("cells_resolve", [90, 165, 120]),
     PassInfo::new("cells_read", [140, 195, 150]),
+    PassInfo::new("cells_light_hits", [170, 215, 180]),
 ];
 
 /// Names of the first counters of cells, in the order of shaders/filters/cell_counters.glsl.
 pub const COUNTERS: [&str; 3] = ["cells.occupied", "cells.dropped", "cells.evicted"];
-/// Words of all counters of cells.
+/// Names of the counters of paths that the next frame goes on with, by their vertices.
+pub const KEPT: [&str; 16] = [
+    "kept.1", "kept.2", "kept.3", "kept.4", "kept.5", "kept.6", "kept.7", "kept.8", "kept.9", "kept.10",
+    "kept.11", "kept.12", "kept.13", "kept.14", "kept.15", "kept.16",
+];
+/// Where these counts begin. Twin: PATHS_KEPT in shaders/filters/cell_counters.glsl.
+pub const FIRST_KEPT: usize = 8;
+/// Words of all counters.
 pub const COUNTER_WORDS: u64 = 32;
 
 /// Words of a slot's sums. Twin: SUM_WORDS in shaders/include/cells.glsl.
@@ -37,7 +47,7 @@ const CHANGING_FRAMES: u32 = 8;
 /// `CellPush` in shaders/filters/cell_push.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct CellPush {
+pub(super) struct CellPush {
     spread: f32,
     widening: f32,
     jitter: f32,
@@ -49,6 +59,14 @@ struct CellPush {
     samples: u32,
     window: u32,
     life: u32,
+    view: u32,
+}
+
+impl CellPush {
+    /// For the view of this number.
+    pub(super) fn for_view(self, view: u32) -> Self {
+        Self { view, ..self }
+    }
 }
 
 /// The filter.
@@ -58,13 +76,17 @@ pub struct CellFilter {
     insert: ComputePipeline,
     resolve: ComputePipeline,
     read: ComputePipeline,
+    /// Only of a cache.
+    light_hits: Option<ComputePipeline>,
     map: CellBuffers,
     filtered: Image,
     lit_by: LitBy,
+    constants: [u32; 5],
+    view: Option<CellViewPass>,
 }
 
 /// The hash map on the device: shaders/include/cell_map.glsl.
-struct CellBuffers {
+pub(super) struct CellBuffers {
     keys: Buffer,
     sums: Buffer,
     means: Buffer,
@@ -87,6 +109,10 @@ impl CellBuffers {
         })
     }
 
+    pub(super) fn ages(&self) -> &Buffer {
+        &self.ages
+    }
+
     fn clear_once(&mut self, frame: &mut Frame<'_>) {
         if !self.is_cleared {
             for buffer in [&self.keys, &self.sums, &self.means, &self.ages] {
@@ -96,7 +122,7 @@ impl CellBuffers {
         }
     }
 
-    fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
+    pub(super) fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
         pass.write("cell_keys", &self.keys).write("cell_sums", &self.sums).write("cell_means", &self.means)
     }
 }
@@ -140,7 +166,8 @@ impl CellFilter {
         // What is behind the last layer is not known, so that would be a mean of the paths alone that end there.
         let last = count.saturating_sub(2);
         let cache = u32::from(is_cache);
-        let constants = [cache, last, count, cache];
+        let continues = u32::from(settings.paths.filter.continues());
+        let constants = [cache, last, count, cache, continues];
         let pipeline = |name, shader| ComputePipeline::specialised(device, name, shader, &constants);
         Ok(Self {
             settings: settings.cells,
@@ -148,14 +175,56 @@ impl CellFilter {
             insert: pipeline("cells_insert", shaders::CELLS_INSERT_COMP)?,
             resolve: ComputePipeline::new(device, "cells_resolve", shaders::CELLS_RESOLVE_COMP)?,
             read: pipeline("cells_read", shaders::CELLS_READ_COMP)?,
+            light_hits: if is_cache {
+                Some(pipeline("cells_light_hits", shaders::CELLS_LIGHT_HITS_COMP)?)
+            } else {
+                None
+            },
             map: CellBuffers::new(device, &settings.cells)?,
             filtered: storage_image(device, "filtered", vk::Format::R16G16B16A16_SFLOAT, settings.size)?,
             lit_by: LitBy::default(),
+            constants,
+            view: None,
         })
     }
 
     pub(super) fn forget(&mut self) {
         self.lit_by.since = Some(0);
+    }
+
+    /// Makes what [`Self::draw_view`] needs.
+    pub(super) fn prepare_views(&mut self, device: &Arc<Device>) -> Result<(), VulkanError> {
+        if self.view.is_none() {
+            self.view = Some(CellViewPass::new(device, &self.constants)?);
+        }
+        Ok(())
+    }
+
+    pub(super) fn draw_view(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        display: &Image,
+        view: &str,
+    ) -> Result<(), VulkanError> {
+        let Some(pass) = &self.view else { return Ok(()) };
+        pass.record(frame, inputs, (&self.map, self.push(inputs, false)), display, view)
+    }
+
+    pub(super) fn light_hits(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        hits: &Hits<'_>,
+    ) -> Result<(), VulkanError> {
+        let Some(pipeline) = &self.light_hits else { return Ok(()) };
+        self.map
+            .bind(inputs.bind(frame.pass("cells_light_hits", pipeline)))
+            .read("hit_place", hits.place)
+            .write("hit_weight", hits.weight)
+            .write("reflection", hits.reflection)
+            .push(&self.push(inputs, false))
+            .dispatch_over(hits.reflection.extent())
     }
 
     pub(super) fn output(&self) -> &Image {
@@ -176,6 +245,7 @@ impl CellFilter {
             samples: self.samples,
             window: if is_changing { CHANGING_WINDOW } else { window },
             life: self.settings.life,
+            view: 0,
         }
     }
 
@@ -195,6 +265,7 @@ impl CellFilter {
             .read("irradiance", filter.irradiance)
             .write("path_places", &filter.vertices.places)
             .write("path_lights", &filter.vertices.lights)
+            .read("path_depths", &filter.vertices.depths)
             .write("ray_counters", filter.counters)
             .push(&push)
             .dispatch_over(extent)?;

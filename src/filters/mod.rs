@@ -2,15 +2,18 @@
 //!
 //! In: irradiance of the visible surfaces by paths, and the vertices of these. Out: irradiance. They know nothing of how paths are traced.
 
+mod cell_view;
 mod cells;
 mod window;
 
 use std::sync::Arc;
 
-pub use cells::{COUNTER_WORDS, COUNTERS, PASSES as CELL_PASSES};
+pub use cell_view::VIEWS;
+pub use cells::{COUNTER_WORDS, COUNTERS, FIRST_KEPT, KEPT, PASSES as CELL_PASSES};
 
 use crate::passes::frame_inputs::FrameInputs;
-use crate::passes::storage_image_array;
+use crate::passes::hits::Hits;
+use crate::passes::{storage_image, storage_image_array};
 use crate::report::PassInfo;
 use crate::settings::{PathFilter, Settings};
 use crate::vulkan::{Buffer, Device, Frame, Image, VulkanError, vk};
@@ -22,6 +25,8 @@ pub const WINDOW_PASS: PassInfo = PassInfo::new("sspsf", [120, 170, 110]);
 
 /// Layers of vertices that a path leaves at most: the visible surface, two behind it, and where the last ray ends.
 const MOST_VERTICES: u32 = 4;
+/// Layers behind those: the vertex that a path of earlier frames goes on from, and the one that it meets.
+const CONTINUED: u32 = 2;
 
 /// The vertices of the paths of a frame: shaders/include/path_vertices.glsl.
 pub struct PathVertices {
@@ -29,18 +34,28 @@ pub struct PathVertices {
     pub places: Image,
     /// RG32UI.
     pub lights: Image,
+    /// Of the vertex that the next frame goes on from: its number in its path, from 1; 0: it begins anew. R32UI.
+    pub depths: Image,
 }
 
 impl PathVertices {
-    /// Makes the images, if the filter of these settings reads them: 24 bytes for each pixel, path and vertex.
+    /// Makes the images, if the filter of these settings reads them: 24 bytes for each pixel, path and vertex, and 52 a pixel for a path
+    /// that frames go on with.
     pub fn new(device: &Arc<Device>, settings: &Settings) -> Result<Self, VulkanError> {
-        let layers = vertices(settings) * settings.paths.samples;
+        let continues = settings.paths.filter.continues();
+        let layers = vertices(settings) * settings.paths.samples + if continues { CONTINUED } else { 0 };
         // Without a filter that reads them, one is bound and not written.
         let (extent, layers) = if layers > 0 { (settings.size, layers) } else { ([1, 1], 1) };
         let image = |name, format| storage_image_array(device, name, format, extent, layers);
         Ok(Self {
             places: image("path_places", vk::Format::R32G32B32A32_UINT)?,
             lights: image("path_lights", vk::Format::R32G32_UINT)?,
+            depths: storage_image(
+                device,
+                "path_depths",
+                vk::Format::R32_UINT,
+                if continues { settings.size } else { [1, 1] },
+            )?,
         })
     }
 }
@@ -49,7 +64,9 @@ impl PathVertices {
 pub fn vertices(settings: &Settings) -> u32 {
     match settings.paths.filter {
         PathFilter::None | PathFilter::Sspsf | PathFilter::Hpsf => 0,
-        PathFilter::Nhpsf | PathFilter::Cache => (settings.bounces + 2).min(MOST_VERTICES),
+        PathFilter::Nhpsf | PathFilter::ANhpsf | PathFilter::Cache => {
+            (settings.bounces + 2).min(MOST_VERTICES)
+        }
     }
 }
 
@@ -100,10 +117,57 @@ impl Filter {
         }
     }
 
+    /// Lights what reflection rays have hit by the light that it holds, direct light included; hits that are lit have no weight any more.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn light_hits(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        hits: &Hits<'_>,
+    ) -> Result<(), VulkanError> {
+        match self {
+            Self::Window(_) => Ok(()),
+            Self::Cells(cells) => cells.light_hits(frame, inputs, hits),
+        }
+    }
+
     /// Forgets the light of earlier frames as after a change of lights: materials have changed.
     pub fn forget(&mut self) {
         if let Self::Cells(cells) = self {
             cells.forget();
+        }
+    }
+
+    /// Makes what [`Self::draw_view`] needs.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn prepare_views(&mut self, device: &Arc<Device>) -> Result<(), VulkanError> {
+        match self {
+            Self::Window(_) => Ok(()),
+            Self::Cells(cells) => cells.prepare_views(device),
+        }
+    }
+
+    /// Writes one of [`VIEWS`] over `display`; black where there are no cells.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub fn draw_view(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        display: &Image,
+        view: &str,
+    ) -> Result<(), VulkanError> {
+        match self {
+            Self::Window(_) => {
+                frame.clear_image(display, [0.0, 0.0, 0.0, 1.0]);
+                Ok(())
+            }
+            Self::Cells(cells) => cells.draw_view(frame, inputs, display, view),
         }
     }
 

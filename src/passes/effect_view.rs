@@ -16,6 +16,8 @@ pub enum Visualization {
     Deviation,
     /// b: frames; 32 are white.
     History,
+    /// rgb, as on white surfaces, with the picture's exposure.
+    Irradiance,
 }
 
 /// The views of soft shadows, then those of reflections; black where the effect is not in use.

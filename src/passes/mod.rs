@@ -13,6 +13,7 @@ pub mod effect_view;
 pub mod frame_inputs;
 pub mod gbuffer;
 pub mod history;
+pub mod hits;
 pub mod overlay;
 pub mod reprojection;
 pub mod still;

@@ -214,7 +214,7 @@ impl Renderer {
             let texels = self.read_halves(image, 4)?;
             let name = view.replace('-', "_");
             layers.push(match kind {
-                Visualization::Share | Visualization::Light => {
+                Visualization::Share | Visualization::Light | Visualization::Irradiance => {
                     Layer::of_channels(&name, &["R", "G", "B"], &texels)
                 }
                 Visualization::Deviation => {

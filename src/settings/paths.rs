@@ -15,6 +15,8 @@ pub enum PathFilter {
     Hpsf,
     /// The same at every vertex of a path: light of the next one comes from its cell, so that over frames all bounces add up.
     Nhpsf,
+    /// nhpsf, and each frame goes on with a path of earlier frames, by two more rays a pixel: cells that no short path reaches get light.
+    ANhpsf,
     /// A radiance cache: cells from the second vertex on, none near the first, coarser ones where samples are few.
     Cache,
 }
@@ -81,12 +83,20 @@ settings! {
     /// Frames after which a cell without samples is evicted; 1: at once. More: what comes into view again is less noisy; too many: the
     /// map fills up. Any costs the same.
     "cells_life" life: u32 = 16, whole("FRAMES", 1, 1024);
+    /// Vertices of a path that frames go on with, the visible surface among them (--filter a-nhpsf). More: light reaches farther from
+    /// what the eye sees. Any costs the same.
+    "cells_depth" depth: u32 = 4, whole("VERTICES", 2, 16);
 }
 
 impl PathFilter {
     /// Whether it has a hash map of cells.
     pub fn has_cells(self) -> bool {
         !matches!(self, Self::None | Self::Sspsf)
+    }
+
+    /// Whether frames go on with paths of earlier ones.
+    pub fn continues(self) -> bool {
+        self == Self::ANhpsf
     }
 }
 

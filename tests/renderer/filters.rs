@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use glowworm::renderer::Renderer;
-use glowworm::scene::{LightKind, Scene};
+use glowworm::scene::{Camera, Instance, LightKind, Material, Mesh, Scene};
 use glowworm::settings::{
     CellSettings, Denoise, EffectSettings, Indirect, PathFilter, PathSettings, Settings,
 };
@@ -17,6 +17,8 @@ const SIDE: u32 = 48;
 const BOUNCES: u32 = 2;
 /// Bounces that stand for all of them.
 const ALL_BOUNCES: u32 = 24;
+/// The filters that have cells.
+const CELLS: [PathFilter; 4] = [PathFilter::Hpsf, PathFilter::Nhpsf, PathFilter::ANhpsf, PathFilter::Cache];
 
 fn by(filter: PathFilter, cells: CellSettings) -> Settings {
     Settings {
@@ -80,6 +82,7 @@ fn no_filter_loses_light_or_adds_any() {
         (PathFilter::Sspsf, &expected, 0.03, 0.5),
         (PathFilter::Hpsf, &expected, 0.02, 0.35),
         (PathFilter::Nhpsf, &of_all, 0.03, 0.35),
+        (PathFilter::ANhpsf, &of_all, 0.03, 0.35),
         // The noise of the first vertex is left to the denoiser.
         (PathFilter::Cache, &of_all, 0.02, 1.0),
     ] {
@@ -91,13 +94,108 @@ fn no_filter_loses_light_or_adds_any() {
     }
 }
 
+/// A closed box whose walls emit a radiance of 1, seen from inside.
+fn furnace(albedo: f32) -> Arc<Scene> {
+    let mut scene = Scene::new("furnace");
+    let wall = Material::lambertian("wall", Vec3::splat(albedo));
+    scene.materials.push(Material { emission: Vec3::ONE, ..wall });
+    scene.meshes.push(Mesh::cuboid("box", Vec3::new(2.0, 1.0, 3.0), 0).turned_inside_out().into());
+    scene.instances.push(Instance::fixed("box", 0, Affine3A::IDENTITY));
+    scene.add_area_light(0);
+    scene.camera = Camera { vertical_fov: 1.5, ..Camera::looking(Vec3::new(0.5, 0.1, 1.0), Vec3::ZERO) };
+    Arc::new(scene)
+}
+
+/// Irradiance over pi is the sum of the powers of the albedo: up to that of the bounces, or all of them.
+#[test]
+fn a_furnace_has_the_light_of_its_series() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    const ALBEDO: f32 = 0.6;
+    let scene = furnace(ALBEDO);
+    let of_bounces = (0..=BOUNCES as i32).map(|k| ALBEDO.powi(k)).sum::<f32>();
+    let of_all = 1.0 / (1.0 - ALBEDO);
+    for (filter, expected) in [
+        (PathFilter::Sspsf, of_bounces),
+        (PathFilter::Hpsf, of_bounces),
+        (PathFilter::Nhpsf, of_all),
+        (PathFilter::ANhpsf, of_all),
+        (PathFilter::Cache, of_all),
+    ] {
+        let [average, _] = frames(&gpu, &scene, &by(filter, CellSettings::default()), [40, 20]);
+        let ratio = mean_light(&average) / (std::f32::consts::PI * expected);
+        println!("{filter:?}: {ratio} of the series");
+        assert!((ratio - 1.0).abs() < 0.02, "{filter:?}: {ratio} of the series");
+    }
+}
+
+#[test]
+fn kept_paths_go_on_over_frames_by_two_rays() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = furnace(0.6);
+    let mut rays = Vec::new();
+    for (filter, depth) in [(PathFilter::Nhpsf, 4), (PathFilter::ANhpsf, 4), (PathFilter::ANhpsf, 8)] {
+        let settings = by(filter, CellSettings { depth, ..CellSettings::default() });
+        let mut renderer = gpu.rendered(&scene, &settings, 24);
+        let counters = renderer.finish().unwrap().pop().unwrap().figures.counters;
+        rays.push(counters.get("rays"));
+        // Paths are as long as they may be in a closed room, so kept ones have from two vertices more than these up to the most.
+        let kept = |vertices: u32| counters.get(&format!("kept.{vertices}"));
+        let (begun, all) = (BOUNCES + 2, (1..=16).map(kept).sum::<u64>());
+        if filter == PathFilter::ANhpsf && depth > begun {
+            let within = (begun + 1..=depth).map(kept).sum::<u64>();
+            assert!(kept(depth) > 0 && within == all && all > 1500, "{counters:?}");
+        }
+    }
+    let pixels = u64::from(SIDE * SIDE);
+    assert_eq!(rays[1], rays[2], "rays depend on the depth");
+    let more = (rays[1] - rays[0]) as f32 / pixels as f32;
+    assert!((1.9..=2.0).contains(&more), "{more} rays a pixel more");
+}
+
+/// A lamp that has gone elsewhere is forgotten: the picture is that of a fresh start.
+#[test]
+fn what_moves_leaves_no_light_behind() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = corner("");
+    let mut lamp = Scene::clone(&scene);
+    lamp.materials.push(Material { emission: Vec3::splat(6.0), ..Material::lambertian("lamp", Vec3::ZERO) });
+    let mesh = lamp.meshes.len();
+    lamp.meshes.push(Mesh::cuboid("lamp", Vec3::splat(0.15), lamp.materials.len() as u32 - 1).into());
+    lamp.instances.push(Instance::fixed("lamp", mesh, Affine3A::from_translation(Vec3::new(0.9, 0.3, 0.9))));
+    lamp.add_area_light(lamp.instances.len() - 1);
+    let scene = Arc::new(lamp);
+    let rest = scene.pose(0.0);
+    let mut moved = rest.clone();
+    *moved.instances.last_mut().unwrap() = Affine3A::from_translation(Vec3::new(-0.9, 1.5, 0.2));
+    for filter in CELLS {
+        let settings = by(filter, CellSettings::default());
+        let after = |before: u32| {
+            let mut renderer = gpu.renderer(&scene, &settings, &rest);
+            for _ in 0..before {
+                renderer.render(&rest).unwrap();
+            }
+            let mut sum = 0.0;
+            for frame in 0..32 {
+                renderer.render(&moved).unwrap();
+                if frame >= 16 {
+                    sum += mean_light(&irradiance(&renderer)) / 16.0;
+                }
+            }
+            sum
+        };
+        let (fresh, left) = (after(0), after(24));
+        println!("{filter:?}: {} of a fresh start", left / fresh);
+        assert!((left / fresh - 1.0).abs() < 0.03, "{filter:?}: {} of a fresh start", left / fresh);
+    }
+}
+
 #[test]
 fn without_probes_it_is_the_path_tracer() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let cells = CellSettings { probes: 0, ..CellSettings::default() };
     let [_, expected] = frames(&gpu, &scene, &by(PathFilter::None, cells), [2, 1]);
-    for filter in [PathFilter::Hpsf, PathFilter::Nhpsf, PathFilter::Cache] {
+    for filter in CELLS {
         assert!(frames(&gpu, &scene, &by(filter, cells), [2, 1])[1] == expected, "{filter:?}");
     }
 }
@@ -124,7 +222,7 @@ fn light_that_is_switched_off_is_forgotten_and_reruns_are_the_same() {
     let scene = corner("[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]");
     let (lit, mut dark) = (scene.pose(0.0), scene.pose(0.0));
     dark.lights[0].kind = LightKind::Point { intensity: Vec3::splat(4e-3) };
-    for filter in [PathFilter::Hpsf, PathFilter::Nhpsf, PathFilter::Cache] {
+    for filter in CELLS {
         let settings = by(filter, CellSettings::default());
         let run = || {
             let mut renderer = gpu.renderer(&scene, &settings, &lit);

@@ -9,7 +9,9 @@ use glowworm::output::{Picture, Tones, tone_map};
 use glowworm::passes::effect_view::VIEWS;
 use glowworm::renderer::{DebugView, Renderer};
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{Direct, Reflections, Settings, ToneMap, VplSettings};
+use glowworm::settings::{
+    CellSettings, Direct, Indirect, PathFilter, PathSettings, Reflections, Settings, ToneMap, VplSettings,
+};
 
 use super::support::{GpuFixture, channel, inspect, layer, mean, plain, scene, set_counts, vpls};
 
@@ -223,7 +225,15 @@ fn every_view_shows_something_of_its_own() {
         let settings = if is_effect {
             Settings { direct: Direct::Soft, reflections: Reflections::Rays, ..settings(4, 2) }
         } else {
-            with_method_of(buffer, settings(4, 2))
+            // A map of few cells, so that some are found by probing.
+            let cells = CellSettings { capacity: 1024, life: 2, ..CellSettings::default() };
+            let paths = PathSettings { filter: PathFilter::Nhpsf, ..PathSettings::default() };
+            let settings = with_method_of(buffer, settings(4, 2));
+            if settings.indirect == Indirect::PATHS {
+                Settings { paths, cells, ..settings }
+            } else {
+                settings
+            }
         };
         let (renderer, picture) = picture(&gpu, &scene, &settings, &view);
         assert_eq!(renderer.view(), &view);

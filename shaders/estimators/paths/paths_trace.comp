@@ -34,32 +34,8 @@ layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D irradiance;
 layout(constant_id = 3) const uint SAMPLES = 1u;
 // Vertices of a path that are left to filters.
 layout(constant_id = 4) const uint VERTICES = 0u;
-const bool LEAVES_VERTICES = VERTICES > 0u;
-
-// The first layer of the path.
-uint first_layer;
-
-void store_vertex(uint layer, PathVertex vertex) {
-    ivec3 place = ivec3(gl_GlobalInvocationID.xy, first_layer + layer);
-    imageStore(path_places, place, pack_place(vertex));
-    imageStore(path_lights, place, uvec4(pack_light(vertex), 0u, 0u));
-}
-
-uint left;
-
-void leave_vertex(uint bounce, PathVertex vertex) {
-    if (bounce >= VERTICES) return;
-    store_vertex(bounce, vertex);
-    left = bounce + 1u;
-}
-
-// The vertex after the last one that was lit, if the path met any.
-void leave_end(bool goes_on, Surface surface) {
-    if (left >= VERTICES) return;
-    vec3 none = vec3(0.0);
-    store_vertex(left, PathVertex(surface.position, surface.geometric, none, none, goes_on ? VERTEX_UNLIT : VERTEX_ABSENT));
-}
-
+const uint LEFT_VERTICES = VERTICES;
+#include "leave_vertices.glsl"
 #include "path.glsl"
 
 // The first ones are those of soft shadows and reflections.

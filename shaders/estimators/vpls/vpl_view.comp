@@ -7,6 +7,7 @@
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
 #include "tone_map.glsl"
+#include "false_colour.glsl"
 #define VPLS_BINDING 4
 #include "vpls.glsl"
 #include "representative.glsl"
@@ -39,13 +40,6 @@ const vec3 MISSING = vec3(1.0, 0.0, 1.0);
 
 // A white surface under an irradiance.
 vec3 lit(vec3 e) { return shown(e / PI * exposure.factor); }
-
-// From black over blue and green to yellow.
-vec3 share_colour(float share) {
-    vec3 low = mix(vec3(0.0, 0.0, 0.05), vec3(0.15, 0.2, 0.75), clamp(share * 3.0, 0.0, 1.0));
-    vec3 middle = mix(low, vec3(0.1, 0.65, 0.45), clamp(share * 3.0 - 1.0, 0.0, 1.0));
-    return mix(middle, vec3(1.0, 0.92, 0.2), clamp(share * 3.0 - 2.0, 0.0, 1.0));
-}
 
 // Shows the set as it was rendered, by the camera of that time.
 vec3 set_buffer(ivec2 pixel) {

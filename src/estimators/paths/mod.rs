@@ -4,24 +4,30 @@
 //! ends after `--bounces` surfaces. Divergence: paths are short and most reach the limit, so they are not compacted between bounces;
 //! writing and reading a path's 80 bytes twice a bounce would cost more than lanes that wait.
 
+mod continuation;
+
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
 use super::ray_counters::RayCounters;
 use super::{
-    Axis, CounterInfo, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses, World,
+    Axis, CounterInfo, DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, Method, MethodPasses,
+    ViewInputs, World,
 };
 use crate::denoise::SignalNoise;
 use crate::filters::{self, Filter, FilterInputs, PathVertices};
 use crate::gpu_scene::tracer::TracerVariant;
+use crate::passes::buffer_view::View;
+use crate::passes::effect_view::{EffectViewPass, Visualization};
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::still::SampledIrradiance;
 use crate::passes::storage_image;
 use crate::report::{Counters, PassInfo};
 use crate::scene::luminance;
-use crate::settings::{Indirect, Noise, Settings};
+use crate::settings::{Direct, Indirect, Noise, PathSettings, Settings};
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
+use continuation::Continuation;
 
 /// The description of the method.
 pub const METHOD: Method = Method {
@@ -29,13 +35,16 @@ pub const METHOD: Method = Method {
         cpu: &[],
         device: &[
             PassInfo::new("paths_trace", [31, 119, 180]),
+            PassInfo::new("paths_continue", [50, 90, 140]),
             filters::WINDOW_PASS,
             filters::CELL_PASSES[0],
             filters::CELL_PASSES[1],
             filters::CELL_PASSES[2],
+            filters::CELL_PASSES[3],
             PassInfo::new("paths_light_hits", [70, 130, 160]),
         ],
     },
+    views: &VIEWS,
     counters: &[
         CounterInfo::listed(RAYS, "rays"),
         CounterInfo::plotted(filters::COUNTERS[0], "cells", [44, 130, 90]),
@@ -62,6 +71,21 @@ const AXES: &[Axis] = &[Axis {
     set: |settings, samples| settings.paths.samples = samples.clamp(1, 16),
 }];
 
+/// The view of irradiance as the paths bring it.
+const RAW: &str = "paths-raw";
+
+/// That, and those of cells.
+const VIEWS: [View; 1 + filters::VIEWS.len()] = {
+    let about = "Indirect irradiance by each pixel's own paths, before filters and denoisers";
+    let mut views = [View { name: RAW, label: "Paths, raw", about }; 1 + filters::VIEWS.len()];
+    let mut i = 0;
+    while i < filters::VIEWS.len() {
+        views[i + 1] = filters::VIEWS[i];
+        i += 1;
+    }
+    views
+};
+
 /// The counter of all rays of the passes here.
 const RAYS: &str = "rays";
 
@@ -72,6 +96,22 @@ struct PathPush {
     spread: f32,
     environment: f32,
     has_environment: u32,
+    /// Whether vertices that the last frame kept are where they were.
+    keeps: u32,
+}
+
+impl PathPush {
+    fn new(inputs: &FrameInputs<'_>, extent: [u32; 2]) -> Self {
+        let pose = inputs.pose;
+        let environment = pose.environment.as_ref();
+        let sampled = environment.filter(|environment| environment.map.is_some());
+        Self {
+            spread: 2.0 * (pose.camera.vertical_fov * 0.5).tan() / extent[1] as f32,
+            environment: sampled.map_or(0.0, |environment| luminance(environment.mean())),
+            has_environment: u32::from(environment.is_some()),
+            keeps: 0,
+        }
+    }
 }
 
 /// The estimator: 8 bytes a pixel; with a filter of several vertices 24 more for each.
@@ -84,6 +124,9 @@ pub struct Paths {
     irradiance: Image,
     vertices: PathVertices,
     filter: Option<Filter>,
+    continuation: Option<Continuation>,
+    /// Made where a view is shown.
+    raw_view: Option<EffectViewPass>,
     rays: RayCounters,
     tracer: TracerVariant,
     settings: Settings,
@@ -105,21 +148,19 @@ impl Paths {
             irradiance: storage_image(device, "irradiance", vk::Format::R16G16B16A16_SFLOAT, settings.size)?,
             vertices: PathVertices::new(device, settings)?,
             filter: Filter::new(device, settings)?,
+            continuation: Continuation::new(context)?,
+            raw_view: None,
             rays: RayCounters::new(device, filters::COUNTER_WORDS)?,
             tracer,
             settings: settings.clone(),
         })
     }
 
-    fn push(&self, inputs: &FrameInputs<'_>) -> PathPush {
-        let pose = inputs.pose;
-        let environment = pose.environment.as_ref();
-        let sampled = environment.filter(|environment| environment.map.is_some());
-        PathPush {
-            spread: 2.0 * (pose.camera.vertical_fov * 0.5).tan() / self.irradiance.extent()[1] as f32,
-            environment: sampled.map_or(0.0, |environment| luminance(environment.mean())),
-            has_environment: u32::from(environment.is_some()),
+    fn prepare_views(&mut self) -> Result<(), VulkanError> {
+        if self.raw_view.is_none() {
+            self.raw_view = Some(EffectViewPass::new(&self.device)?);
         }
+        self.filter.as_mut().map_or(Ok(()), |filter| filter.prepare_views(&self.device))
     }
 }
 
@@ -137,8 +178,11 @@ impl Estimator for Paths {
             .write("path_places", &self.vertices.places)
             .write("path_lights", &self.vertices.lights)
             .write("ray_counters", self.rays.buffer())
-            .push(&self.push(inputs))
+            .push(&PathPush::new(inputs, self.irradiance.extent()))
             .dispatch_over(self.irradiance.extent())?;
+        if let Some(continuation) = &mut self.continuation {
+            continuation.record(frame, inputs, &self.vertices, self.rays.buffer())?;
+        }
         let Some(filter) = &mut self.filter else { return Ok(()) };
         let (vertices, counters) = (&self.vertices, self.rays.buffer());
         filter.record(frame, inputs, &FilterInputs { irradiance: &self.irradiance, vertices, counters })
@@ -160,7 +204,12 @@ impl Estimator for Paths {
         inputs: &FrameInputs<'_>,
         hits: &Hits<'_>,
     ) -> Result<(), VulkanError> {
-        let push = self.push(inputs);
+        // Cells hold all light: where other passes bring direct light, it would count twice. Still frames depend on nothing before.
+        let is_all_ours = self.settings.direct == Direct::Paths && inputs.clock.averaged().is_none();
+        if let Some(filter) = self.filter.as_ref().filter(|_| is_all_ours) {
+            filter.light_hits(frame, inputs, hits)?;
+        }
+        let push = PathPush::new(inputs, self.irradiance.extent());
         let pipeline = match &mut self.light_hits {
             Some(pipeline) => pipeline,
             none => none.insert(self.tracer.pipeline(
@@ -186,10 +235,17 @@ impl Estimator for Paths {
 
     fn add_device_counters(&self, counters: &mut Counters, read_back: &[u8]) {
         counters.insert(RAYS, RayCounters::sum(read_back));
-        if self.settings.paths.filter.has_cells() {
-            for (name, count) in filters::COUNTERS.into_iter().zip(RayCounters::more(read_back)) {
+        let PathSettings { filter, .. } = self.settings.paths;
+        let mut insert = |names: &[&'static str], first| {
+            for (name, count) in names.iter().zip(RayCounters::more(read_back).skip(first)) {
                 counters.insert(name, u64::from(count));
             }
+        };
+        if filter.has_cells() {
+            insert(&filters::COUNTERS, 0);
+        }
+        if filter.continues() {
+            insert(&filters::KEPT, filters::FIRST_KEPT);
         }
     }
 
@@ -199,8 +255,34 @@ impl Estimator for Paths {
         }
     }
 
+    fn set_view(&mut self, view: &DebugView) -> Result<(), VulkanError> {
+        let is_drawn = VIEWS.iter().any(|known| known.name == view.buffer);
+        if is_drawn { self.prepare_views() } else { Ok(()) }
+    }
+
+    fn draw_view(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &ViewInputs<'_>,
+        view: &str,
+    ) -> Result<(), VulkanError> {
+        let ViewInputs { frame: shown, exposure, display } = *inputs;
+        match (&self.filter, &self.raw_view) {
+            (Some(filter), _) if view != RAW => filter.draw_view(frame, shown, display, view),
+            (_, Some(pass)) => {
+                let raw = (view == RAW).then_some((&self.irradiance, Visualization::Irradiance));
+                pass.record(frame, shown.uniforms, raw, exposure, display)
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn change(&mut self, context: &EstimatorContext<'_>) -> Result<(), VulkanError> {
-        *self = Self::new(context)?;
+        let mut next = Self::new(context)?;
+        if self.raw_view.is_some() {
+            next.prepare_views()?;
+        }
+        *self = next;
         Ok(())
     }
 }
