@@ -16,8 +16,8 @@ FRAMES = 60
 # Those that are compared; the first ones are new to every history.
 COMPARED = range(5, FRAMES, 6)
 BOUNCES = 3
-# Pixels are sampled in their middle, as the references; nothing stands still.
-MOVES = ["--time-step", "1/60", "--antialiasing", "none", "--still-frames", 0, "--bounces", BOUNCES, "--size", SIZE]
+# Nothing stands still.
+MOVES = ["--time-step", "1/60", "--still-frames", 0, "--bounces", BOUNCES, "--size", SIZE]
 # Frames of the static run, and those of its end over which the change is a mean.
 STATIC_FRAMES = 60
 STATIC_END = 10
@@ -58,7 +58,8 @@ def scene_file(study, scene, moves=True):
 
 
 def reference(study, scene, frame):
-    return study.reference(scene_file(study, scene), SIZE, scene, frame=frame, spp=study.options.spp, bounces=BOUNCES)[0]
+    return study.reference(scene_file(study, scene), SIZE, scene, frame=frame, spp=study.options.spp, bounces=BOUNCES,
+                           pixel_filter="box")[0]
 
 
 def stage_ms(report):

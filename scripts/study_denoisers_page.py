@@ -2,19 +2,20 @@
 
 import json
 
-# One path a pixel and frame, or VPLs; TAA is off but where it is named, so that the denoisers alone are compared. All direct light is
-# part of the paths, but where it is named apart.
+# One path a pixel and frame, or VPLs. All direct light is part of the paths, but where it is named apart.
 PATHS = ["--indirect", "paths", "--direct", "paths"]
+NO_TAA = ["--antialiasing", "none"]
 METHODS = {
+    "paths, noisy, no TAA": [*PATHS, "--denoise", "none", *NO_TAA],
     "paths, noisy": [*PATHS, "--denoise", "none"],
     "paths, accumulation alone": [*PATHS, "--denoise", "svgf", "--indirect-svgf-levels", 0],
     "paths, a-trous alone": [*PATHS, "--denoise", "svgf", "--svgf-history", 1],
     **{f"paths, SVGF, {levels} levels": [*PATHS, "--denoise", "svgf", "--indirect-svgf-levels", levels] for levels in [1, 2, 3, 5]},
     "paths, SVGF": [*PATHS, "--denoise", "svgf"],
+    "paths, SVGF, no TAA": [*PATHS, "--denoise", "svgf", *NO_TAA],
     "paths, SVGF, direct light apart": [*PATHS, "--denoise", "svgf", "--direct", "soft"],
-    "paths, SVGF, TAA": [*PATHS, "--denoise", "svgf", "--antialiasing", "taa"],
     "paths, BMFR": [*PATHS, "--denoise", "bmfr"],
-    "paths, BMFR, TAA": [*PATHS, "--denoise", "bmfr", "--antialiasing", "taa"],
+    "paths, BMFR, no TAA": [*PATHS, "--denoise", "bmfr", *NO_TAA],
     "VPLs": ["--indirect", "vpls"],
     "VPLs, BMFR": ["--indirect", "vpls", "--denoise", "bmfr"],
     "VPLs, no denoiser": ["--indirect", "vpls", "--denoise", "none"],
@@ -30,13 +31,13 @@ camera moves as in H. Flatval, *Denoising Algorithms for Ray Tracing in Real-Tim
 scripts/study-denoisers             # --help lists sections and options
 ```
 
-{device} ({driver}), {size}, {bounces} bounces, no antialiasing unless named; all direct light is part of the paths (`--direct paths`) unless
+{device} ({driver}), {size}, {bounces} bounces, TAA unless named; all direct light is part of the paths (`--direct paths`) unless
 it is apart (`--direct soft`). A CPU's ratios are no GPU's: rays cost it more than passes over the picture.
 """
 
 MOTION = """## In motion
 
-Means over every sixth of 60 frames against the path tracer's of the same moments, {spp} samples a pixel (commit {commit}); its own noise counts
+Means over every sixth of 60 frames against the path tracer's of the same moments, {spp} samples all over each pixel (commit {commit}); its own noise counts
 as error. RMSE and SSIM are of display luminance (`glowworm compare --luminance`), at an exposure that brings 95 % of the pixels below
 0.8.
 

@@ -10,6 +10,7 @@ layout(push_constant) uniform CellPush {
     uint levels;       // sizes of cells
     uint samples;      // paths a pixel
     uint window;       // frames of the mean; 0: any number
+    float growth;      // of the window, by each frame
     uint life;         // frames without samples until a cell is evicted
     uint view;         // of cell_view.comp
 } push;

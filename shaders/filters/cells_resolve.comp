@@ -33,13 +33,15 @@ void main() {
         return;
     }
     count_cells(CELLS_OCCUPIED, 1u);
-    uint frames = min((cell_ages.words[slot] >> 16) + 1u, 0xffffu);
-    cell_ages.words[slot] = frames << 16;
+    float frames = min(float(cell_ages.words[slot] >> 16) + 1.0, 65535.0);
+    // Once the window is short, as where light changes, it grows from there.
+    if (push.window > 0u) frames = min(frames, ceil(float(push.window - 1u) / push.growth));
+    cell_ages.words[slot] = uint(frames) << 16;
     vec3 mean = vec3(sum_of(first), sum_of(first + 1u), sum_of(first + 2u)) / count;
     for (uint i = 0u; i < SUM_WORDS; i++) cell_sums.words[first + i] = 0u;
     vec4 before = cell_means.data[slot];
-    // The newest frame has at least the share of one in `window`; at first of fewer, as light of further bounces takes frames to arrive.
-    float window = 1.0 + 0.5 * float(frames);
+    // The newest frame has at least the share of one in `window`; at first of fewer.
+    float window = 1.0 + push.growth * frames;
     if (push.window > 0u) window = min(window, float(push.window));
     before.a = min(before.a, count * (window - 1.0));
     float all = min(before.a + count, MOST_SAMPLES);

@@ -44,6 +44,10 @@ const SUM_WORDS: u64 = 8;
 const CHANGING_WINDOW: u32 = 2;
 const CHANGING_FRAMES: u32 = 8;
 
+/// Of the window by each frame, where light of further bounces takes frames to arrive: a mean of all frames since would hold the dark
+/// first ones too long, as it then nears the light of all bounces by a power of the frames of only 1 less the albedo.
+const GROWTH: f32 = 0.25;
+
 /// `CellPush` in shaders/filters/cell_push.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -58,6 +62,7 @@ pub(super) struct CellPush {
     levels: u32,
     samples: u32,
     window: u32,
+    growth: f32,
     life: u32,
     view: u32,
 }
@@ -73,6 +78,7 @@ impl CellPush {
 pub struct CellFilter {
     settings: CellSettings,
     samples: u32,
+    growth: f32,
     insert: ComputePipeline,
     resolve: ComputePipeline,
     read: ComputePipeline,
@@ -172,6 +178,7 @@ impl CellFilter {
         Ok(Self {
             settings: settings.cells,
             samples: settings.paths.samples,
+            growth: if count == 0 { 1.0 } else { GROWTH },
             insert: pipeline("cells_insert", shaders::CELLS_INSERT_COMP)?,
             resolve: ComputePipeline::new(device, "cells_resolve", shaders::CELLS_RESOLVE_COMP)?,
             read: pipeline("cells_read", shaders::CELLS_READ_COMP)?,
@@ -244,6 +251,7 @@ impl CellFilter {
             levels: self.settings.levels,
             samples: self.samples,
             window: if is_changing { CHANGING_WINDOW } else { window },
+            growth: self.growth,
             life: self.settings.life,
             view: 0,
         }

@@ -147,9 +147,11 @@ fn kept_paths_go_on_over_frames_by_two_rays() {
         }
     }
     let pixels = u64::from(SIDE * SIDE);
-    assert_eq!(rays[1], rays[2], "rays depend on the depth");
-    let more = (rays[1] - rays[0]) as f32 / pixels as f32;
-    assert!((1.9..=2.0).contains(&more), "{more} rays a pixel more");
+    // A light below the horizon needs no ray.
+    for all in &rays[1..] {
+        let more = (all - rays[0]) as f32 / pixels as f32;
+        assert!((1.7..=2.0).contains(&more), "{more} rays a pixel more");
+    }
 }
 
 /// A lamp that has gone elsewhere is forgotten: the picture is that of a fresh start.
