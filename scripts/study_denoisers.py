@@ -6,10 +6,13 @@ import json
 import math
 import statistics
 
+import numpy as np
+
 import study_denoisers_page
 import study_pictures
 import study_quality
-from study_denoisers_page import FEATURE_COUNTS, METHODS
+from study_denoisers_page import AGES, FEATURE_COUNTS, METHODS
+from study_pictures import LUMINANCE
 
 SIZE = "320x180"
 FRAMES = 60
@@ -76,6 +79,17 @@ def error(study, picture, expected, stops):
     return study.run("compare", picture, expected, "--luminance", "--exposure", stops)
 
 
+def by_frames_seen(pictures, references, seen, stops):
+    """Root mean square error of display luminance by the frames since each surface came into view."""
+    squares = {}
+    for frame, reference in references.items():
+        shown, expected = (study_pictures.encoded(study_pictures.first_layer(file), stops) @ LUMINANCE for file in [pictures[frame], reference])
+        error = (shown - expected) ** 2
+        for name, (first, end) in AGES.items():
+            squares.setdefault(name, []).append(error[(seen[frame] >= first) & (seen[frame] < end)])
+    return {name: float(np.sqrt(np.concatenate(of).mean())) for name, of in squares.items() if sum(map(len, of)) > 0}
+
+
 def methods(study):
     """Each method along the camera motion, against the path tracer's frames of the same moments."""
     rows = study.rows("methods")
@@ -86,10 +100,13 @@ def methods(study):
         stops = round(study_pictures.exposure(middle), 3)
         row = rows.setdefault(scene, {})
         row["stops"] = stops
+        seen = None
         for name, options in METHODS.items():
             pictures, report = study.frames(file, SIZE, FRAMES - 1, *MOVES, *options)
             compared = {frame: error(study, pictures[frame], references[frame], stops) for frame in COMPARED}
+            seen = seen or study_pictures.frames_seen(pictures)
             row[name] = {
+                "by_frames_seen": by_frames_seen(pictures, references, seen, stops),
                 **{key: statistics.fmean(figures[key] for figures in compared.values())
                    for key in ["luminance_rmse", "luminance_ssim", "flip", "mean_ratio"]},
                 "flip_by_frame": {frame: figures["flip"] for frame, figures in compared.items()},
@@ -98,7 +115,7 @@ def methods(study):
                 **stage_ms(report)}
             study.keep("methods", {"size": SIZE, "spp": study.options.spp, "bounces": BOUNCES, "device": report["device"],
                                    "driver": report["driver"], "commit": report["commit"], "rows": rows})
-            print(scene, name, json.dumps({key: value for key, value in row[name].items() if key != "passes"}), flush=True)
+            print(scene, name, json.dumps({key: value for key, value in row[name].items() if key not in ["passes", "by_frames_seen"]}), flush=True)
 
 
 def static(study):

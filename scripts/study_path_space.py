@@ -14,8 +14,8 @@ import study_quality
 from study_path_space_page import DIRECT, EQUAL_TIME, FIGURES, FRAMES
 from study_pictures import LUMINANCE
 
-SCENES = ["classroom", "sponza", "atrium-drapery"]
-SIZE = "256x144"
+SCENES = ["sponza", "atrium-drapery", "classroom"]
+SIZE = "192x108"
 # The thesis has one indirect bounce.
 BOUNCES = 1
 # Nothing moves, but frames are as in motion.

@@ -108,6 +108,13 @@ def mottling(rendered, reference, stops, shortest=8, longest=64):
 def flicker(picture, before):
     """Mean absolute change of the irradiance's luminance from the frame before, where both show the same surface point,
     over its mean: the temporal error of a moving picture."""
+    at, same = seen_before(picture, before)
+    now, then = (layer(file, "indirect") @ LUMINANCE for file in [picture, before])
+    return float(np.abs(now - then[at])[same].mean() / now[same].mean())
+
+
+def seen_before(picture, before):
+    """Where each pixel's surface was in the frame before, as rows and columns, and whether it was seen there."""
     motion, position, depth = (channels(picture, name) for name in ["motion", "position", "depth"])
     height, width = depth.shape[:2]
     rows, columns = np.mgrid[:height, :width]
@@ -116,9 +123,16 @@ def flicker(picture, before):
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
     at = np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)
     moved = np.linalg.norm(position - channels(before, "position")[at], axis=2)
-    same = inside & (moved < 0.02 * depth[..., 0])
-    now, then = (layer(file, "indirect") @ LUMINANCE for file in [picture, before])
-    return float(np.abs(now - then[at])[same].mean() / now[same].mean())
+    return at, inside & (moved < 0.02 * depth[..., 0])
+
+
+def frames_seen(pictures):
+    """For each frame, how many frames before it have seen the surface of each pixel without a gap."""
+    counts = [np.zeros(channels(pictures[0], "depth").shape[:2], int)]
+    for picture, before in zip(pictures[1:], pictures):
+        at, same = seen_before(picture, before)
+        counts.append(np.where(same, counts[-1][at] + 1, 0))
+    return counts
 
 
 def steadiness(pictures, side=32):
