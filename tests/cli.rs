@@ -59,6 +59,7 @@ fn views_of_what_is_not_there_are_wrong_usage() {
         ),
         (&["--single-vpl", "512"], "--single-vpl 512: must be below --vpls, which is 16"),
         (&["--view", "vpl-visibility"], "needs --single-vpl SLOT"),
+        (&["--view", "cells"], "there are no cells; choose --indirect paths and --filter"),
         (&["--view", "normal", "--out", "a.exr"], "need a .png as --out"),
     ] {
         assert_fails(&run.render("cornell-box", options), 2, &[says]);
