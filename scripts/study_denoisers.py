@@ -79,6 +79,10 @@ def error(study, picture, expected, stops):
     return study.run("compare", picture, expected, "--luminance", "--exposure", stops)
 
 
+def block_energy(picture, reference):
+    return study_pictures.block_energy(*(study_pictures.first_layer(file) for file in [picture, reference]))
+
+
 def by_frames_seen(pictures, references, seen, stops):
     """Root mean square error of display luminance by the frames since each surface came into view."""
     squares = {}
@@ -109,6 +113,7 @@ def methods(study):
                 "by_frames_seen": by_frames_seen(pictures, references, seen, stops),
                 **{key: statistics.fmean(figures[key] for figures in compared.values())
                    for key in ["luminance_rmse", "luminance_ssim", "flip", "mean_ratio"]},
+                "blocks": statistics.fmean(block_energy(pictures[frame], references[frame]) for frame in COMPARED if frame >= 16),
                 "flip_by_frame": {frame: figures["flip"] for frame, figures in compared.items()},
                 "flicker": statistics.fmean(study_pictures.flicker(pictures[frame], pictures[frame - 1]) for frame in COMPARED),
                 "rays": statistics.fmean(frame.get("shadow_rays", frame.get("rays", 0)) for frame in report["frames"][8:]) / math.prod(report["settings"]["size"]),

@@ -50,6 +50,7 @@ RMSE of display luminance by the number of frames since each surface came into v
 {ages}
 
 - **flicker**: mean absolute change of the irradiance from frame to frame at the same surface points, over its mean.
+- **blocks**: energy of the error at the harmonics of 32 pixels, BMFR's blocks, over that beside them in the spectrum, from the 16th frame on.
 - **ms**: of a whole frame, mean; **most**: of the slowest frame over the mean; **denoiser**: of that the passes that clean the indirect light.
 - **rays**: of the shaders, for each pixel of a frame.
 """
@@ -113,7 +114,7 @@ a light in logarithmic time, but chooses by bounds, which is noisier, and scenes
 """
 
 ROWS = [("RMSE", "luminance_rmse", ".4f"), ("SSIM", "luminance_ssim", ".3f"), ("HDR-FLIP", "flip", ".3f"), ("mean", "mean_ratio", ".3f"),
-        ("flicker", "flicker", ".3f"), ("ms", "ms", ".0f"), ("most", "most", ".2f"), ("denoiser", "denoiser_ms", ".1f"), ("rays", "rays", ".1f")]
+        ("flicker", "flicker", ".3f"), ("blocks", "blocks", ".2f"), ("ms", "ms", ".0f"), ("most", "most", ".2f"), ("denoiser", "denoiser_ms", ".1f"), ("rays", "rays", ".1f")]
 
 
 def table(head, rows):

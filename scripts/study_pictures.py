@@ -94,6 +94,21 @@ def pattern(rendered, reference, period=4):
     return float(np.mean(ratios))
 
 
+def block_energy(rendered, reference, side=32):
+    """Energy of the error of luminance at the harmonics of a period of `side` pixels, over that three and four bins beside them: 1 where
+    no edges of blocks are seen. The pictures should be ten blocks wide or more."""
+    error = (rendered - reference) @ LUMINANCE
+    ratios = []
+    for lines in [error, error.T]:
+        length = lines.shape[1] // side * side
+        power = (np.abs(np.fft.rfft(np.hanning(length + 1)[:-1] * lines[:, :length], axis=1)) ** 2).mean(0)
+        bins = np.arange(1, 7) * (length // side)
+        beside = np.mean([power[bins + offset] for offset in [-4, -3, 3, 4]], 0) if length // side >= 8 else None
+        if beside is not None:
+            ratios.append((power[bins] / beside).mean())
+    return float(np.mean(ratios))
+
+
 def mottling(rendered, reference, stops, shortest=8, longest=64):
     """What is seen as clouds and spots: the error of display luminance at periods of so many pixels, root mean square, in
     steps of 8 bits (after a Hann window)."""

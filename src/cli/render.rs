@@ -91,7 +91,8 @@ impl ViewOptions {
             let (set, sets) = (self.view_set, settings.vpl.temporal_sets);
             return wrong(format!("--view-set {set}: must be below --temporal-sets, which is {sets}"));
         }
-        let needs_cells = filters::VIEWS.iter().any(|view| view.name == self.view);
+        let needs_cells =
+            self.view != filters::RAW && filters::VIEWS.iter().any(|view| view.name == self.view);
         if needs_cells && !settings.paths.filter.has_cells() {
             return wrong(format!(
                 "--view {}: there are no cells; choose --indirect paths and --filter hpsf, nhpsf, a-nhpsf or cache",

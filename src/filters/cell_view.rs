@@ -7,8 +7,11 @@ use crate::passes::buffer_view::View;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders};
 
-/// The views of cells. A view's place in the list is its number in shaders/filters/cell_view.comp.
-pub const VIEWS: [View; 6] = [
+/// The view of what filters are given, which estimators draw.
+pub const RAW: &str = "paths-raw";
+
+/// The views of cells, and [`RAW`]. A view's place in the list is its number in shaders/filters/cell_view.comp.
+pub const VIEWS: [View; 7] = [
     View {
         name: "cells",
         label: "Cells",
@@ -34,6 +37,11 @@ pub const VIEWS: [View; 6] = [
         name: "cell-occupancy",
         label: "Cells: occupancy",
         about: "The slots of the hash map in rows: black is free, yellow holds cells",
+    },
+    View {
+        name: RAW,
+        label: "Paths, raw",
+        about: "Indirect irradiance by each pixel's own paths, before filters and denoisers",
     },
 ];
 

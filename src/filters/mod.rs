@@ -8,7 +8,7 @@ mod window;
 
 use std::sync::Arc;
 
-pub use cell_view::VIEWS;
+pub use cell_view::{RAW, VIEWS};
 pub use cells::{COUNTER_WORDS, COUNTERS, FIRST_KEPT, KEPT, PASSES as CELL_PASSES};
 
 use crate::passes::frame_inputs::FrameInputs;

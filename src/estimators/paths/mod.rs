@@ -18,7 +18,6 @@ use super::{
 use crate::denoise::SignalNoise;
 use crate::filters::{self, Filter, FilterInputs, PathVertices};
 use crate::gpu_scene::tracer::TracerVariant;
-use crate::passes::buffer_view::View;
 use crate::passes::effect_view::{EffectViewPass, Visualization};
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::still::SampledIrradiance;
@@ -44,7 +43,7 @@ pub const METHOD: Method = Method {
             PassInfo::new("paths_light_hits", [70, 130, 160]),
         ],
     },
-    views: &VIEWS,
+    views: &filters::VIEWS,
     counters: &[
         CounterInfo::listed(RAYS, "rays"),
         CounterInfo::plotted(filters::COUNTERS[0], "cells", [44, 130, 90]),
@@ -70,21 +69,6 @@ const AXES: &[Axis] = &[Axis {
     get: |settings| settings.paths.samples,
     set: |settings, samples| settings.paths.samples = samples.clamp(1, 16),
 }];
-
-/// The view of irradiance as the paths bring it.
-const RAW: &str = "paths-raw";
-
-/// That, and those of cells.
-const VIEWS: [View; 1 + filters::VIEWS.len()] = {
-    let about = "Indirect irradiance by each pixel's own paths, before filters and denoisers";
-    let mut views = [View { name: RAW, label: "Paths, raw", about }; 1 + filters::VIEWS.len()];
-    let mut i = 0;
-    while i < filters::VIEWS.len() {
-        views[i + 1] = filters::VIEWS[i];
-        i += 1;
-    }
-    views
-};
 
 /// The counter of all rays of the passes here.
 const RAYS: &str = "rays";
@@ -256,7 +240,7 @@ impl Estimator for Paths {
     }
 
     fn set_view(&mut self, view: &DebugView) -> Result<(), VulkanError> {
-        let is_drawn = VIEWS.iter().any(|known| known.name == view.buffer);
+        let is_drawn = filters::VIEWS.iter().any(|known| known.name == view.buffer);
         if is_drawn { self.prepare_views() } else { Ok(()) }
     }
 
@@ -268,9 +252,9 @@ impl Estimator for Paths {
     ) -> Result<(), VulkanError> {
         let ViewInputs { frame: shown, exposure, display } = *inputs;
         match (&self.filter, &self.raw_view) {
-            (Some(filter), _) if view != RAW => filter.draw_view(frame, shown, display, view),
+            (Some(filter), _) if view != filters::RAW => filter.draw_view(frame, shown, display, view),
             (_, Some(pass)) => {
-                let raw = (view == RAW).then_some((&self.irradiance, Visualization::Irradiance));
+                let raw = (view == filters::RAW).then_some((&self.irradiance, Visualization::Irradiance));
                 pass.record(frame, shown.uniforms, raw, exposure, display)
             }
             _ => Ok(()),
