@@ -95,17 +95,19 @@ def pattern(rendered, reference, period=4):
 
 
 def block_energy(rendered, reference, side=32):
-    """Energy of the error of luminance at the harmonics of a period of `side` pixels, over that three and four bins beside them: 1 where
-    no edges of blocks are seen. The pictures should be ten blocks wide or more."""
+    """Energy of the magnitude of the error's gradient, the mean along each column and row, at the harmonics of a period of `side` pixels,
+    over that two to four bins beside them: 1 where no edges of blocks are seen. Blocks that are few across are not looked at."""
     error = (rendered - reference) @ LUMINANCE
     ratios = []
     for lines in [error, error.T]:
-        length = lines.shape[1] // side * side
-        power = (np.abs(np.fft.rfft(np.hanning(length + 1)[:-1] * lines[:, :length], axis=1)) ** 2).mean(0)
-        bins = np.arange(1, 7) * (length // side)
-        beside = np.mean([power[bins + offset] for offset in [-4, -3, 3, 4]], 0) if length // side >= 8 else None
-        if beside is not None:
-            ratios.append((power[bins] / beside).mean())
+        length = (lines.shape[1] - 1) // side * side
+        blocks = length // side
+        if blocks < 8:
+            continue
+        steps = np.abs(np.diff(lines, axis=1))[:, :length].mean(0)
+        power = np.abs(np.fft.rfft(np.hanning(length + 1)[:-1] * (steps - steps.mean()))) ** 2
+        bins = np.arange(1, side // 2) * blocks
+        ratios.append(power[bins].sum() / np.mean([power[bins + offset].sum() for offset in [-4, -3, -2, 2, 3, 4]]))
     return float(np.mean(ratios))
 
 
