@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3};
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Camera, Instance, LightKind, Material, Mesh, Scene};
 use glowworm::settings::{
-    CellSettings, Denoise, EffectSettings, Indirect, PathFilter, PathSettings, Settings,
+    CellSettings, Denoise, Direct, EffectSettings, Indirect, PathFilter, PathSettings, Reflections, Settings,
 };
 
 use super::paths::corner;
@@ -189,6 +189,35 @@ fn what_moves_leaves_no_light_behind() {
         println!("{filter:?}: {} of a fresh start", left / fresh);
         assert!((left / fresh - 1.0).abs() < 0.03, "{filter:?}: {} of a fresh start", left / fresh);
     }
+}
+
+/// Mirrors show the cache's light of what they hit, all direct light included, where the path tracer would go on with paths.
+#[test]
+fn mirrors_show_the_light_of_cells_by_fewer_rays() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = corner("[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]");
+    let pose = scene.pose(0.0);
+    let run = |filter, bounces, probes| {
+        let cells = CellSettings { probes, ..CellSettings::default() };
+        let (direct, reflections) = (Direct::Paths, Reflections::Rays);
+        let settings = Settings { bounces, direct, reflections, ..by(filter, cells) };
+        let mut renderer = gpu.renderer(&scene, &settings, &pose);
+        let mut light = 0.0;
+        for frame in 0..48 {
+            renderer.render(&pose).unwrap();
+            if frame >= 24 {
+                light += mean_light(&layer(&renderer.read_picture(true).unwrap(), "reflected")) / 24.0;
+            }
+        }
+        let rays = renderer.finish().unwrap().pop().unwrap().figures.counters.get("rays");
+        (light, rays)
+    };
+    let (traced, _) = run(PathFilter::None, 8, 16);
+    let (_, many) = run(PathFilter::Cache, BOUNCES, 0);
+    let (cached, few) = run(PathFilter::Cache, BOUNCES, 16);
+    println!("{cached} of {traced}; {few} of {many} rays");
+    assert!((cached / traced - 1.0).abs() < 0.05, "{cached}, not {traced}");
+    assert!((few as f32) < 0.97 * many as f32, "{few} of {many} rays");
 }
 
 #[test]
