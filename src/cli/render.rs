@@ -10,8 +10,8 @@ use super::scene::{AnimationOption, LoadedScene, load};
 use super::{CliError, device, say};
 use crate::dataset::LiveDataset;
 use crate::estimators;
+use crate::estimators::paths;
 use crate::estimators::vpls::{PathStyle, SlotState, VPL_VISIBILITY, VplDebugView, Vpls};
-use crate::filters;
 use crate::output::{OutputFile, PictureTarget};
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::{DebugView, Renderer, Replay};
@@ -91,9 +91,7 @@ impl ViewOptions {
             let (set, sets) = (self.view_set, settings.vpl.temporal_sets);
             return wrong(format!("--view-set {set}: must be below --temporal-sets, which is {sets}"));
         }
-        let needs_cells =
-            self.view != filters::RAW && filters::VIEWS.iter().any(|view| view.name == self.view);
-        if needs_cells && !settings.paths.filter.has_cells() {
+        if paths::shows_cells(&self.view) && !settings.paths.filter.has_cells() {
             return wrong(format!(
                 "--view {}: there are no cells; choose --indirect paths and --filter hpsf, nhpsf, a-nhpsf or cache",
                 self.view

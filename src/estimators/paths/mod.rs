@@ -70,6 +70,11 @@ const AXES: &[Axis] = &[Axis {
     set: |settings, samples| settings.paths.samples = samples.clamp(1, 16),
 }];
 
+/// Whether a view shows cells, which only some filters have.
+pub fn shows_cells(view: &str) -> bool {
+    view != filters::RAW && filters::VIEWS.iter().any(|known| known.name == view)
+}
+
 /// The counter of all rays of the passes here.
 const RAYS: &str = "rays";
 
