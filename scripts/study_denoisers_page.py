@@ -186,7 +186,8 @@ def write(out):
     parts = [HEAD.format(**found["methods"]), motion(found["methods"])]
     parts += [page(found[name]) for name, page in [("static", static), ("features", features)] if found[name]]
     searched = read(folder, "search")
-    if searched:
+    # A search that was broken off has no figures of its last parts.
+    if searched and "turned" in searched:
         parts.append(search(searched))
     parts.append(PAPER)
     (out / "DENOISERS.md").write_text("\n".join(parts))

@@ -68,12 +68,14 @@ scripts/study-path-space            # --help lists sections and options
 planes on which the normal lies: opposite walls never share a cell. Position, level and normal are hashed twice, to a slot and to the word that verifies it; probing is
 linear. A vertex is moved along its surface by up to `--cells-jitter` widths first, so that blocks become noise.
 
+Where other passes bring direct light, visible surfaces have cells of their own, which lack it. What a path meets last is known by its cell alone, and dark until there
+is one.
+
 **Sums** are 64-bit integers of two 32-bit atomics, so their order does not matter: reruns have the same bits unless the map is so full that it drops samples.
 The newest frame has at least the share of one in `--cells-window`, at first of fewer, and of one in two until eight frames after lights or objects have moved. Cells
 without samples are evicted after `--cells-life` frames.
 
-**Kept paths** (`a-nhpsf`) go on from what they met in the last frame, or, where they have all their vertices, from the deepest vertex of the pixel's new path. A vertex adds
-to its cell if the cell that it meets is known, or if the path ends there. Reports count kept paths by their vertices (`kept`). Where objects move they begin anew.
+**Kept paths** (`a-nhpsf`) go on from what they met in the last frame, or, where they have all their vertices, from the deepest vertex of the pixel's new path. Reports count kept paths by their vertices (`kept`). Where objects move they begin anew.
 
 **Mirrors.** With `--direct paths`, what reflection rays hit is lit by the cache where it has a cell, so those paths need no rays.
 

@@ -7,6 +7,10 @@ const float ENOUGH = 8.0;
 // How far a normal is jittered.
 const float NORMAL_JITTER = 0.3;
 
+// In the key beside the bits of the normal: the light of visible surfaces lacks direct light that other passes bring, so that their cells are
+// not those of further vertices.
+const uint WITHOUT_DIRECT_LIGHT = 16u;
+
 // Random numbers of vertex k: `turn` tells insertion, reading, and jitters apart.
 vec3 jitter_of(ivec2 pixel, uint k, uint turn) {
     uvec3 bits = pcg3d(uvec3(pixel, frame.noise_frame));
@@ -26,7 +30,8 @@ CellKey cell_of(vec3 position, vec3 normal, bool is_visible, vec3 random, float 
     vec3 moved = position + push.jitter * width * (random - normal * dot(normal, random));
     int exponent = level_of(cell_width(moved, is_visible) * exp2(dither)) + int(level) * LEVEL_STEP;
     if (push.normal == CELL_NORMAL_JITTERED) normal = normalize(normal + NORMAL_JITTER * random.zxy);
-    return key_of(place_of(moved, exponent), exponent, normal_bits(normal, push.bits), push.normal != CELL_NORMAL_VERIFICATION);
+    uint bits = normal_bits(normal, push.bits) | (is_visible && frame.direct_lights > 0u ? WITHOUT_DIRECT_LIGHT : 0u);
+    return key_of(place_of(moved, exponent), exponent, bits, push.normal != CELL_NORMAL_VERIFICATION);
 }
 
 // The mean irradiance of a vertex's cells at jittered positions; a: how many of these had a cell. Where that has few samples a coarser

@@ -48,41 +48,33 @@ void insert(PathVertex vertex, vec3 light, bool is_visible, ivec2 pixel, uint k)
     }
 }
 
-// Of a vertex's irradiance and whether it is known: by its cell, if the way to it is long enough, else what the path has found.
-void look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, inout vec3 light, inout bool is_known) {
+// The irradiance of a vertex: by its cell, if the way to it is long enough, else `found` of it by the path.
+vec3 look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, vec3 found) {
     // Where the path ends no other light is known.
-    if (CACHE && vertex.state == VERTEX_LIT && way < cell_width(vertex.position, false)) return;
+    if (CACHE && vertex.state == VERTEX_LIT && way < cell_width(vertex.position, false)) return found;
     vec4 mean = read_cells(vertex.position, vertex.normal, false, pixel, layer, READS, CACHE);
-    if (mean.a == 0.0) return;
-    light = mean.rgb;
-    is_known = true;
+    return mean.a > 0.0 ? mean.rgb : found;
 }
 
-// A run of vertices, one behind the other, from layer `first` on.
+// A run of vertices, one behind the other, from layer `first` on. All count, also where the last one's cell is not known: cells with only
+// the light of paths that end elsewhere, as in the sky, would be too bright.
 void insert_path(ivec2 pixel, uint first) {
     uint count = 0u;
     for (uint state = VERTEX_LIT; count < VERTICES && state == VERTEX_LIT; count++) state = imageLoad(path_places, ivec3(pixel, first + count)).w >> 30;
     vec3 behind = vec3(0.0);
-    bool is_known = false;
     for (uint i = count; i-- > 0u;) {
         uint layer = first + i;
         PathVertex vertex = vertex_at(pixel, layer);
         if (vertex.state == VERTEX_ABSENT) continue;
-        if (vertex.state == VERTEX_UNLIT) {
-            behind = vec3(0.0);
-        } else {
-            vec3 light = vertex.light + vertex.next * behind;
-            bool is_complete = is_known || vertex.next == vec3(0.0);
-            if (is_complete && i >= FIRST && i <= LAST) insert(vertex, light, i == 0u, pixel, layer);
-            vertex.light = light;
+        if (vertex.state == VERTEX_LIT) {
+            vertex.light += vertex.next * behind;
+            if (i >= FIRST && i <= LAST) insert(vertex, vertex.light, i == 0u, pixel, layer);
             imageStore(path_lights, ivec3(pixel, layer), uvec4(pack_light(vertex), 0u, 0u));
-            // What the path itself has found is as long as the path.
-            behind = light;
-            is_known = true;
+            behind = vertex.light;
         }
         if (i == 0u) return;
         float way = distance(vertex.position, vertex_at(pixel, layer - 1u).position);
-        look_up(vertex, way, pixel, layer, behind, is_known);
+        behind = look_up(vertex, way, pixel, layer, behind);
     }
 }
 
@@ -94,16 +86,13 @@ void count_kept(uint vertices) {
     }
 }
 
-// The vertex that a path of earlier frames went on from: its light and the cell of the next one. Where that has none, a path that ends
-// there is all that is known (Meijer 2019, A-nHPSF).
+// The vertex that a path of earlier frames went on from: its light and the cell of the next one (Meijer 2019, A-nHPSF).
 void insert_continued(ivec2 pixel, uint layer) {
     PathVertex vertex = vertex_at(pixel, layer), next = vertex_at(pixel, layer + 1u);
-    uint kept = imageLoad(path_depths, pixel).x;
-    count_kept(kept);
+    count_kept(imageLoad(path_depths, pixel).x);
     vec3 behind = vec3(0.0);
-    bool is_known = next.state == VERTEX_ABSENT || kept == 0u;
-    if (next.state != VERTEX_ABSENT) look_up(next, distance(vertex.position, next.position), pixel, layer + 1u, behind, is_known);
-    if (is_known) insert(vertex, vertex.light + vertex.next * behind, false, pixel, layer);
+    if (next.state != VERTEX_ABSENT) behind = look_up(next, distance(vertex.position, next.position), pixel, layer + 1u, behind);
+    insert(vertex, vertex.light + vertex.next * behind, false, pixel, layer);
 }
 
 void main() {

@@ -128,6 +128,20 @@ fn a_furnace_has_the_light_of_its_series() {
     }
 }
 
+/// A lamp whose direct light other passes bring is in the cells of further vertices, and not in those of visible surfaces.
+#[test]
+fn direct_light_of_other_passes_counts_once() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = corner("[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]");
+    let expected = mean_light(&layer(&reference(&scene, [SIDE; 2], ALL_BOUNCES, 512), "indirect"));
+    for filter in [PathFilter::Nhpsf, PathFilter::ANhpsf, PathFilter::Cache] {
+        let [average, _] = frames(&gpu, &scene, &by(filter, CellSettings::default()), [40, 20]);
+        let ratio = mean_light(&average) / expected;
+        println!("{filter:?}: {ratio} of the reference");
+        assert!((ratio - 1.0).abs() < 0.03, "{filter:?}: {ratio} of the reference");
+    }
+}
+
 #[test]
 fn kept_paths_go_on_over_frames_by_two_rays() {
     let Some(gpu) = GpuFixture::open() else { return };
