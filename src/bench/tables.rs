@@ -277,7 +277,10 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
     let varied = row_axes(report);
     let Some(first) = report.runs.iter().find_map(|run| run.quality.as_ref()) else { return Vec::new() };
     let frames: Vec<String> = first.frames.iter().map(|frame| frame.frame.to_string()).collect();
-    let spp = report.plan.spp;
+    let against = match report.plan.spp {
+        0 => "the same pictures of each scene's first run".to_owned(),
+        spp => format!("the path tracer with {spp} samples a pixel and as many bounces"),
+    };
     let moving = |run: &Run| {
         let (quality, summary) = (run.quality.as_ref()?, Summary::of(run, noise)?);
         Some(vec![
@@ -300,8 +303,7 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
         Table::new(
             "Quality in motion, and after it stops",
             format!(
-                "Means over frames {} of the animation, against the path tracer with {spp} samples a pixel and as many \
-                 bounces. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; relative error of luminance. Settling: frames until \
+                "Means over frames {} of the animation, against {against}. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; relative error of luminance. Settling: frames until \
                  the picture is stationary after all motion stops; temporal error: mean change from frame to frame \
                  after that, W/m²/sr.",
                 frames.join(", ")

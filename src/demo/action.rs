@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use winit::keyboard::{KeyCode, ModifiersState};
 
+use super::compare::Wanted;
 use super::edit::NewObject;
 use super::session::Selected;
 use super::split::RightSide;
@@ -44,6 +45,12 @@ pub enum Action {
     GoToBookmark(usize),
     /// Enters or leaves full screen.
     ToggleFullscreen,
+    /// Measures frame rates against temporal sets, or closes the comparison.
+    ToggleCompare,
+    /// Measures these; none: closes the comparison.
+    Compare(Option<Wanted>),
+    /// Writes the report of the comparison.
+    SaveComparison,
     /// Sets the swapchain's present mode.
     SetPresentMode(PresentMode),
     /// Recreates the device and everything on it: the device of this index in `glowworm info`, or the same one.
@@ -156,6 +163,7 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("Space", "pause or resume the animation", KeyCode::Space, NONE, || Action::TogglePause),
     bind("Home", "reset the camera", KeyCode::Home, NONE, || Action::Home),
     bind("F2", "begin or end the tour", KeyCode::F2, NONE, || Action::ToggleTour),
+    bind("F3", "measure frame rate against temporal sets", KeyCode::F3, NONE, || Action::ToggleCompare),
     bind("F11", "toggle full screen", KeyCode::F11, NONE, || Action::ToggleFullscreen),
     bind("F12", "screenshot (PNG)", KeyCode::F12, NONE, || Action::Screenshot { exr: false }),
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),

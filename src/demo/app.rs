@@ -13,6 +13,7 @@ use winit::window::{Window, WindowId};
 
 use super::action::Action;
 use super::clock::{Clock, Pace};
+use super::compare::{Comparison, REDRAW};
 use super::flight::Flight;
 use super::gpu::Gpu;
 use super::handles::Mode;
@@ -53,6 +54,7 @@ pub(super) struct Open {
     pub session: Option<Session>,
     pub split: Option<Split>,
     pub tour: Option<Tour>,
+    pub comparison: Option<Comparison>,
     /// Whether the tour is to begin with the first scene.
     pub tour_waits: bool,
     pub loader: Loader,
@@ -129,6 +131,7 @@ impl App {
             session: None,
             split: None,
             tour: None,
+            comparison: None,
             tour_waits: self.launch.tour,
             loader: Loader::new(&self.launch),
             egui: egui_winit::State::new(context, egui::ViewportId::ROOT, &window, scale, None, None),
@@ -295,6 +298,13 @@ impl ApplicationHandler for App {
         }
         if hidden {
             events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + HIDDEN_POLL));
+        } else if open.is_measuring() {
+            // Frames of the window would take time from those that are measured.
+            let next = open.clock.last_frame() + REDRAW;
+            events.set_control_flow(ControlFlow::WaitUntil(next));
+            if Instant::now() >= next {
+                open.window.request_redraw();
+            }
         } else {
             events.set_control_flow(ControlFlow::Wait);
             open.window.request_redraw();

@@ -23,9 +23,14 @@ impl App {
         self.take_built()?;
         self.take_saved();
         let Some(open) = &mut self.open else { return Ok(()) };
+        open.follow_comparison();
         open.follow_size();
         let step = open.session.as_ref().map_or(0.0, |session| session.settings.time_step);
-        open.clock.tick(step);
+        if open.is_measuring() {
+            open.clock.hold()
+        } else {
+            open.clock.tick(step)
+        }
         open.follow_rate();
         open.fly();
         if let Some(stop) = open.follow_tour(&self.launch)? {
@@ -76,7 +81,9 @@ impl App {
             report: open.session.as_ref().map(|session| session.report.clone()).unwrap_or_default(),
         };
         self.log.shown(&sample);
-        open.history.push(sample);
+        if !open.is_measuring() {
+            open.history.push(sample);
+        }
         Ok(())
     }
 
@@ -135,6 +142,9 @@ impl App {
 impl Open {
     /// Goes on with a loaded scene, or the current one with a rebuilt renderer.
     fn switch_to(&mut self, built: Built) -> Result<(), DemoError> {
+        if self.is_measuring() || !built.same {
+            self.comparison = None;
+        }
         match &mut self.session {
             Some(session) if built.same && session.name == built.name => {
                 let view = session.renderer.view().clone();
@@ -246,6 +256,7 @@ impl Open {
             let mut shown = Shown {
                 session: self.session.as_ref(),
                 split: self.split.as_ref(),
+                comparison: self.comparison.as_ref(),
                 caption: self.tour.as_ref().map(Tour::caption),
                 assets: launch.assets.as_deref(),
                 clock: &mut self.clock,
@@ -267,7 +278,8 @@ impl Open {
     }
 
     fn draw_session(&mut self) -> Result<(), DemoError> {
-        let Some(session) = &mut self.session else { return Ok(()) };
+        let is_measuring = self.is_measuring();
+        let Some(session) = self.session.as_mut().filter(|_| !is_measuring) else { return Ok(()) };
         self.inspector.refresh(session)?;
         let camera = self.flight.camera(&session.live_scene.pose(self.clock.time).camera);
         let pace = self.clock.exposure_pace();

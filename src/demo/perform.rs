@@ -59,6 +59,9 @@ impl App {
                 let wanted = (!full).then_some(winit::window::Fullscreen::Borderless(None));
                 open.window.set_fullscreen(wanted);
             }
+            Action::ToggleCompare => open.toggle_compare(self.launch.assets.clone()),
+            Action::Compare(wanted) => open.compare(wanted, self.launch.assets.clone()),
+            Action::SaveComparison => open.save_comparison(),
             Action::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
             Action::RestartDevice(index) => return self.restart_device(index),
             Action::Open(name) => {
@@ -107,7 +110,7 @@ impl App {
     pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         open.loader.stop();
-        open.split = None;
+        (open.split, open.comparison) = (None, None);
         open.panel.forget_textures();
         let session = open.session.take();
         let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
@@ -258,7 +261,7 @@ impl Open {
             Recording::Waiting => {}
             Recording::On(recorder) => {
                 let name = self.session.as_ref().map_or("scene", |session| session.live_scene.name.as_str());
-                match screenshot::free_name(&format!("glowworm-{name}-recording"), "toml") {
+                match screenshot::free_name(&format!("glowworm-{name}-recording"), ".toml") {
                     Ok(path) => self.saving.push(recorder.save(path)),
                     Err(error) => self.panel.error = Some(error),
                 }

@@ -23,6 +23,11 @@ impl Saving {
             file.save_text(&text).map_err(|error| error.to_string())?;
             Ok(path)
         };
+        Self::of(write)
+    }
+
+    /// Runs `write` in a thread; it returns the path, or a one-line error.
+    pub fn of(write: impl FnOnce() -> Result<PathBuf, String> + Send + 'static) -> Self {
         Self { thread: std::thread::spawn(write) }
     }
 
@@ -41,7 +46,7 @@ pub(super) fn take(session: &Session, exr: bool) -> Result<Saving, DemoError> {
     let picture = session.renderer.read_picture(false)?;
     let stem = format!("glowworm-{}", session.live_scene.name.replace(['/', '\\'], "-"));
     let thread = std::thread::spawn(move || {
-        let path = free_name(&stem, if exr { "exr" } else { "png" })?;
+        let path = free_name(&stem, if exr { ".exr" } else { ".png" })?;
         let target = PictureTarget::new(&path, false).map_err(|error| error.to_string())?;
         target.write(&picture, 0).map_err(|error| error.to_string())?;
         Ok(path)
@@ -49,10 +54,10 @@ pub(super) fn take(session: &Session, exr: bool) -> Result<Saving, DemoError> {
     Ok(Saving { thread })
 }
 
-/// An unused file name in the current folder.
+/// An unused file name in the current folder; `extension` has its dot.
 pub(super) fn free_name(stem: &str, extension: &str) -> Result<PathBuf, String> {
     (1..=MOST)
-        .map(|number| PathBuf::from(format!("{stem}-{number:04}.{extension}")))
+        .map(|number| PathBuf::from(format!("{stem}-{number:04}{extension}")))
         .find(|path| !Path::new(path).exists())
-        .ok_or_else(|| format!("{stem}-{MOST}.{extension} exists; move the files {stem}-* to another folder"))
+        .ok_or_else(|| format!("{stem}-{MOST}{extension} exists; move the files {stem}-* to another folder"))
 }

@@ -18,7 +18,7 @@ const QUALITIES: usize = 3;
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
 /// Width of all that the bar holds, points.
-const FULL: f32 = 1160.0;
+const FULL: f32 = 1310.0;
 /// Height of a row and of the margins, points.
 const ROW: f32 = 22.0;
 const MARGINS: f32 = 4.0;
@@ -54,6 +54,13 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
             let same = RightSide::Settings(Box::new(settings.clone()));
             actions.push(Action::Split(shown.split.is_none().then_some(same)));
         }
+        let compare = ui
+            .selectable_label(shown.comparison.is_some(), "compare T")
+            .on_hover_text("Measures the frame rate against temporal sets, and the error (F3).");
+        place(ui, places, "compare T", &compare);
+        if compare.clicked() {
+            actions.push(Action::ToggleCompare);
+        }
         // At the end, so that it moves nothing.
         let still = session.renderer.still_frames();
         if still > 0 {
@@ -70,11 +77,12 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
 
 /// Shows the frame rate of the last half second.
 fn rate(ui: &mut Ui, shown: &Shown<'_>) {
+    let [width, height] = shown.session.map_or([0; 2], |session| session.settings.size);
     let ms = shown.history.recent_ms();
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };
     // As wide whatever the numbers, so that nothing moves under the pointer.
     let digits = usize::from(fps < 10.0);
-    ui.monospace(format!("{fps:4.digits$} fps {ms:6.1} ms"));
+    ui.monospace(format!("{fps:4.digits$} fps {ms:6.1} ms {:>9}", format!("{width}x{height}")));
     ui.separator();
 }
 

@@ -1,6 +1,7 @@
 //! The panel, one file per section. Sections show state and return actions; they change nothing themselves.
 
 mod bar;
+mod compare;
 mod environment;
 mod help;
 mod legend;
@@ -26,6 +27,7 @@ use egui::{Frame, Id, Rect, Response, RichText, ScrollArea, Sense, Ui, UiBuilder
 
 use super::action::Action;
 use super::clock::Clock;
+use super::compare::Comparison;
 use super::gpu::Gpu;
 use super::handles::{self, Mode};
 use super::history::History;
@@ -67,6 +69,7 @@ pub(super) struct PanelState {
     pub pending: Option<Action>,
     pub scene: scene::SceneState,
     split: split::SplitState,
+    pub compare: compare::CompareState,
     pub places: Places,
     /// The speed of flight, and since when it is shown.
     speed: Option<(String, Instant)>,
@@ -108,6 +111,7 @@ impl PanelState {
 pub(super) struct Shown<'a> {
     pub session: Option<&'a Session>,
     pub split: Option<&'a Split>,
+    pub comparison: Option<&'a Comparison>,
     /// The caption of the tour.
     pub caption: Option<&'static str>,
     pub assets: Option<&'a Path>,
@@ -170,6 +174,7 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         });
     });
     split::draw(ui, state, shown, &mut actions);
+    compare::draw(ui, state, shown, &mut actions);
     if shown.inspector.is_on() {
         material::draw(ui, state, shown, &mut actions);
         vpls::inspector(ui, viewport, shown, &mut actions);
