@@ -71,6 +71,10 @@ pub enum Action {
     ToggleReference,
     /// Moves the divider, share of the width.
     MoveDivider(f32),
+    /// Shows the left side in the whole window, or the right one.
+    Flip,
+    /// Changes the exposure by stops; none: it becomes automatic again.
+    Expose(Option<f32>),
     /// Shows or hides the error of the left side.
     ToggleDifference,
     /// Sets the debug view.
@@ -174,6 +178,10 @@ pub(super) const BINDINGS: &[Binding] = &[
         Action::ToggleReference
     }),
     bind("X", "the error of the left side (FLIP)", KeyCode::KeyX, NONE, || Action::ToggleDifference),
+    bind("B", "flip between the left and the right side", KeyCode::KeyB, NONE, || Action::Flip),
+    bind("-", "darker by half a stop", KeyCode::Minus, NONE, || Action::Expose(Some(-0.5))),
+    bind("=", "brighter by half a stop", KeyCode::Equal, NONE, || Action::Expose(Some(0.5))),
+    bind("0", "automatic exposure", KeyCode::Digit0, NONE, || Action::Expose(None)),
     bind("V", "next buffer", KeyCode::KeyV, NONE, || Action::StepBuffer(1)),
     bind("Shift+V", "previous buffer", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),
     bind("P", "show or hide VPL paths", KeyCode::KeyP, NONE, || Action::TogglePaths),
@@ -208,6 +216,7 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("Q E", "fly down, up"),
     ("Shift", "fly four times as fast"),
     ("Wheel", "fly slower, faster"),
+    ("Ctrl+Wheel", "zoom out, in"),
     ("Click", "select an object or a light"),
     ("Left drag", "a handle: move or rotate the selection"),
     ("Right drag", "look around"),

@@ -1,13 +1,14 @@
 //! Compare T: the frame rates of temporal sets, and of other methods, on the scene and camera path on screen.
 //!
 //! In: the session. Out: the report that `glowworm bench --quality --spp 0` makes of the same scene. Frames are measured by
-//! renderers of their own in a thread of its own; the window draws next to nothing meanwhile.
+//! renderers of their own in a thread, which lets the window draw a few times a second, between two frames: drivers on the CPU
+//! do not bear two threads at once, and the window's frames would take time from those that are measured.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -22,8 +23,11 @@ use crate::formats::SceneDocument;
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
-/// Time between frames of the window while something is measured.
-pub(super) const REDRAW: Duration = Duration::from_millis(250);
+/// Time between frames of the window while something is measured, and how long it may take to begin one.
+const REDRAW: Duration = Duration::from_millis(250);
+const TURN: Duration = Duration::from_millis(30);
+/// Time after which the window asks again whether it is its turn.
+pub(super) const POLL: Duration = Duration::from_millis(10);
 /// At least so many measured frames of each, twice.
 const FRAMES: u32 = 20;
 /// Animation time of a frame on a CPU device, as in `bench`, seconds.
@@ -44,6 +48,8 @@ pub struct Wanted {
 pub(super) struct Comparison {
     document: SceneDocument,
     stop: Arc<AtomicBool>,
+    /// Whoever holds it may use the device.
+    pub turn: Arc<Mutex<()>>,
     messages: Receiver<Message>,
     thread: Option<JoinHandle<()>>,
     begun: Instant,
@@ -56,6 +62,7 @@ pub(super) struct Comparison {
 }
 
 /// What was measured of a run.
+#[derive(Clone, Serialize)]
 pub(super) struct Row {
     pub name: String,
     pub settings: Settings,
@@ -87,19 +94,23 @@ impl Comparison {
         let (sender, messages) = channel();
         let stop = Arc::new(AtomicBool::new(false));
         let plan = plan(session, device.is_cpu(), wanted);
-        let job = (Arc::clone(device), plan, document.clone(), session.read.clone(), Arc::clone(&stop));
+        let turn = Arc::new(Mutex::new(()));
+        let job = (Arc::clone(device), plan, document.clone(), session.read.clone());
+        let shared = (Arc::clone(&stop), Arc::clone(&turn));
         let thread = std::thread::spawn(move || {
-            let (device, plan, document, mut read, stop) = job;
+            let (device, plan, document, mut read) = job;
+            let (stop, turn) = shared;
             let measured = document
                 .build(assets.as_deref(), &mut read)
                 .map_err(BenchError::from)
-                .and_then(|scene| measure(Bench::of_scene(&device, plan, scene)?, &stop, &sender));
+                .and_then(|scene| measure(Bench::of_scene(&device, plan, scene)?, (&stop, &turn), &sender));
             // The receiver is gone if the comparison was cancelled.
             let _ = sender.send(Message::Done(Box::new(measured)));
         });
         Self {
             document,
             stop,
+            turn,
             messages,
             thread: Some(thread),
             begun: Instant::now(),
@@ -193,14 +204,15 @@ impl Open {
         self.comparison.as_ref().is_some_and(Comparison::is_running)
     }
 
-    /// Takes in what was measured meanwhile.
-    pub(super) fn follow_comparison(&mut self) {
-        if let Some(comparison) = &mut self.comparison
-            && let Err(error) = comparison.follow()
-        {
+    /// Takes in what was measured meanwhile; the rows of a comparison that is done, once.
+    pub(super) fn follow_comparison(&mut self) -> Option<Vec<Row>> {
+        let comparison = self.comparison.as_mut().filter(|comparison| comparison.is_running())?;
+        if let Err(error) = comparison.follow() {
             self.panel.error = Some(error.to_string());
             self.comparison = None;
+            return None;
         }
+        (!comparison.is_running()).then(|| comparison.rows.clone())
     }
 
     /// Writes the report of the comparison to a new folder.
@@ -235,13 +247,35 @@ fn plan(session: &Session, on_cpu: bool, wanted: Wanted) -> Plan {
     }
 }
 
-fn measure(mut bench: Bench, stop: &AtomicBool, sender: &Sender<Message>) -> Result<Report, BenchError> {
+fn measure(
+    mut bench: Bench,
+    (stop, turn): (&AtomicBool, &Mutex<()>),
+    sender: &Sender<Message>,
+) -> Result<Report, BenchError> {
     let _ = sender.send(Message::Planned(bench.work_left()));
+    let (mut held, mut since) = (take_turn(turn, stop), Instant::now());
     let mut progress = |task: &str, work: u64| {
         let _ = sender.send(Message::Progress(task.to_owned(), work));
+        if since.elapsed() >= REDRAW {
+            held = None;
+            std::thread::sleep(TURN);
+            (held, since) = (take_turn(turn, stop), Instant::now());
+        }
     };
     bench.run(&mut Control::new(stop, &mut progress))?;
     Ok(bench.report().clone())
+}
+
+/// Waits for the turn of the measurement; none once it is to stop, since the window then waits for its end.
+fn take_turn<'a>(turn: &'a Mutex<()>, stop: &AtomicBool) -> Option<MutexGuard<'a, ()>> {
+    while !stop.load(Ordering::Relaxed) {
+        match turn.try_lock() {
+            Ok(guard) => return Some(guard),
+            Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
+        }
+    }
+    None
 }
 
 fn rows(report: &Report) -> Vec<Row> {

@@ -48,6 +48,13 @@ impl Open {
         }
     }
 
+    /// Whether no frame would differ from the last one: a scene is loaded, or the picture is frozen.
+    pub fn is_calm(&self) -> bool {
+        let is_frozen = self.session.as_ref().is_none_or(|session| session.renderer.is_frozen());
+        let waits = self.actions.is_empty() && self.saving.is_empty() && self.resized.is_none();
+        is_frozen && waits && self.tour.is_none() && !self.egui.egui_ctx().has_requested_repaint()
+    }
+
     /// Gives the picture as many pixels as keep the target rate, or all of them where there is none. Not while something else
     /// needs the machine, or a picture must keep its size.
     pub fn follow_rate(&mut self) {

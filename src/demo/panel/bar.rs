@@ -18,7 +18,7 @@ const QUALITIES: usize = 3;
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
 /// Width of all that the bar holds, points.
-const FULL: f32 = 1310.0;
+const FULL: f32 = 1275.0;
 /// Height of a row and of the margins, points.
 const ROW: f32 = 22.0;
 const MARGINS: f32 = 4.0;
@@ -51,8 +51,8 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
             .on_hover_text("Another method or the reference right of a divider (C).");
         place(ui, places, "split", &split);
         if split.clicked() {
-            let same = RightSide::Settings(Box::new(settings.clone()));
-            actions.push(Action::Split(shown.split.is_none().then_some(same)));
+            let beside = RightSide::beside(&settings);
+            actions.push(Action::Split(shown.split.is_none().then_some(beside)));
         }
         let compare = ui
             .selectable_label(shown.comparison.is_some(), "compare T")
@@ -65,7 +65,7 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
         let still = session.renderer.still_frames();
         if still > 0 {
             ui.separator();
-            let text = format!("still: {still} of {} frames", session.settings.still_frames);
+            let text = format!("still: {still}/{}", session.settings.still_frames);
             ui.add(Label::new(RichText::new(text).weak()).extend())
                 .on_hover_text("While nothing changes, the mean of all frames becomes the picture.");
         }
@@ -82,7 +82,9 @@ fn rate(ui: &mut Ui, shown: &Shown<'_>) {
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };
     // As wide whatever the numbers, so that nothing moves under the pointer.
     let digits = usize::from(fps < 10.0);
-    ui.monospace(format!("{fps:4.digits$} fps {ms:6.1} ms {:>9}", format!("{width}x{height}")));
+    let is_frozen = shown.session.is_some_and(|session| session.renderer.is_frozen());
+    let rate = if is_frozen { "stands still".to_owned() } else { format!("{fps:4.digits$} fps {ms:6.1} ms") };
+    ui.monospace(format!("{rate:18} {:>9}", format!("{width}x{height}")));
     ui.separator();
 }
 

@@ -46,7 +46,6 @@ pub(super) fn loading(ui: &Ui, viewport: Rect, loader: &Loader) {
     let area = Area::new(Id::new("loading")).fixed_pos(viewport.center()).pivot(Align2::CENTER_CENTER);
     area.interactable(false).show(ui.ctx(), |ui| {
         ui.vertical_centered(|ui| {
-            ui.spinner();
             ui.label(format!("{name}: {} ({:.0} s)", step.label(), elapsed.as_secs_f32()));
         });
     });

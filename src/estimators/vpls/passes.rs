@@ -19,7 +19,7 @@ pub(super) struct Passes {
     pub indirect_reprojection: IndirectReprojectionPass,
     /// The sets that this frame and the next ones render.
     pub sets: SetBuffers,
-    /// The sets from before a change of settings. They are shown until all of `sets` have been rendered.
+    /// The sets from before a change of settings. They are shown, where they saw anything, until all of `sets` have been rendered.
     pub settled: Option<SetBuffers>,
 }
 
