@@ -6,11 +6,13 @@
 //! - `plan`: scenes, methods, settings, frames; `axis`: what differs between runs; `method`: what lights the pictures; `run`,
 //!   `samples`: what was measured; `source`: measures it; `quality`, `equal_time`, `pictures`.
 //! - `report`: the report; `summary`: statistics; `against`: changes since an earlier report.
+//! - `background`: the same beside a program that goes on drawing.
 //! - [`micro`]: micro-benchmarks of tracers, BVH and passes, with a report of their own.
 //! - `tables`, `charts`: the report as tables and plots; `csv`, `markdown`, `html`, `folder`: as files.
 
 mod against;
 mod axis;
+mod background;
 mod charts;
 mod control;
 mod csv;
@@ -33,6 +35,7 @@ mod tables;
 
 pub use against::{Change, Comparison, compare_reports};
 pub use axis::Axis;
+pub use background::BackgroundBench;
 pub use control::Control;
 pub use folder::{Folder, MICRO_FILE, REPORT_FILE, read_report};
 pub use machine::Machine;

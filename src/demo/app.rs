@@ -191,7 +191,7 @@ impl App {
     /// Draws the next frame, unless frames are being measured; recreates the device if it was lost.
     fn draw(&mut self, events: &ActiveEventLoop) {
         let comparison = self.open.as_ref().and_then(|open| open.comparison.as_ref());
-        let turn = comparison.map(|comparison| Arc::clone(&comparison.turn));
+        let turn = comparison.map(|comparison| Arc::clone(comparison.bench.turn()));
         let held = turn.as_ref().map(|turn| turn.try_lock());
         if matches!(held, Some(Err(TryLockError::WouldBlock))) {
             return;

@@ -1,31 +1,24 @@
 //! Compare T: the frame rates of temporal sets, and of other methods, on the scene and camera path on screen.
 //!
-//! In: the session. Out: the report that `glowworm bench --quality --spp 0` makes of the same scene. Frames are measured by
-//! renderers of their own in a thread, which lets the window draw a few times a second, between two frames: drivers on the CPU
-//! do not bear two threads at once, and the window's frames would take time from those that are measured.
+//! In: the session. Out: the report that `glowworm bench --quality --spp 0` makes of the same scene. The window draws a few frames a
+//! second meanwhile.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::time::Duration;
 
 use serde::Serialize;
 
 use super::app::Open;
 use super::screenshot::{Saving, free_name};
 use super::session::Session;
-use crate::bench::{Bench, BenchError, Control, Folder, Method, Noise, Plan, Report, Summary, Sweep};
+use crate::bench::{BackgroundBench, Bench, BenchError, Folder, Method, Noise, Plan, Report, Summary, Sweep};
 use crate::estimators;
 use crate::formats::SceneDocument;
 use crate::settings::Settings;
 use crate::vulkan::Device;
 
-/// Time between frames of the window while something is measured, and how long it may take to begin one.
-const REDRAW: Duration = Duration::from_millis(250);
-const TURN: Duration = Duration::from_millis(30);
 /// Time after which the window asks again whether it is its turn.
 pub(super) const POLL: Duration = Duration::from_millis(10);
 /// At least so many measured frames of each, twice.
@@ -47,15 +40,7 @@ pub struct Wanted {
 /// A comparison, in progress or done.
 pub(super) struct Comparison {
     document: SceneDocument,
-    stop: Arc<AtomicBool>,
-    /// Whoever holds it may use the device.
-    pub turn: Arc<Mutex<()>>,
-    messages: Receiver<Message>,
-    thread: Option<JoinHandle<()>>,
-    begun: Instant,
-    /// Work done and planned.
-    work: [u64; 2],
-    pub task: String,
+    pub bench: BackgroundBench,
     report: Option<Report>,
     /// A row for each run, once it is done.
     pub rows: Vec<Row>,
@@ -76,12 +61,6 @@ pub(super) struct Row {
     pub settles: u32,
 }
 
-enum Message {
-    Planned(u64),
-    Progress(String, u64),
-    Done(Box<Result<Report, BenchError>>),
-}
-
 impl Comparison {
     /// Starts to measure the session's scene, as `document` has it, at the size of its picture.
     pub fn start(
@@ -91,66 +70,25 @@ impl Comparison {
         assets: Option<PathBuf>,
         wanted: Wanted,
     ) -> Self {
-        let (sender, messages) = channel();
-        let stop = Arc::new(AtomicBool::new(false));
         let plan = plan(session, device.is_cpu(), wanted);
-        let turn = Arc::new(Mutex::new(()));
-        let job = (Arc::clone(device), plan, document.clone(), session.read.clone());
-        let shared = (Arc::clone(&stop), Arc::clone(&turn));
-        let thread = std::thread::spawn(move || {
-            let (device, plan, document, mut read) = job;
-            let (stop, turn) = shared;
-            let measured = document
-                .build(assets.as_deref(), &mut read)
-                .map_err(BenchError::from)
-                .and_then(|scene| measure(Bench::of_scene(&device, plan, scene)?, (&stop, &turn), &sender));
-            // The receiver is gone if the comparison was cancelled.
-            let _ = sender.send(Message::Done(Box::new(measured)));
+        let (device, built, mut read) = (Arc::clone(device), document.clone(), session.read.clone());
+        let bench = BackgroundBench::start(move || {
+            Bench::of_scene(&device, plan, built.build(assets.as_deref(), &mut read)?)
         });
-        Self {
-            document,
-            stop,
-            turn,
-            messages,
-            thread: Some(thread),
-            begun: Instant::now(),
-            work: [0; 2],
-            task: "starting".to_owned(),
-            report: None,
-            rows: Vec::new(),
-        }
+        Self { document, bench, report: None, rows: Vec::new() }
     }
 
     pub fn is_running(&self) -> bool {
-        self.thread.is_some()
+        self.bench.is_running()
     }
 
     /// Takes in what was measured meanwhile; an error ends the comparison.
     pub fn follow(&mut self) -> Result<(), BenchError> {
-        for message in self.messages.try_iter() {
-            match message {
-                Message::Planned(work) => self.work[1] = work,
-                Message::Progress(task, work) => {
-                    self.task = task;
-                    self.work[0] += work;
-                }
-                Message::Done(measured) => {
-                    self.thread = None;
-                    let report = (*measured)?;
-                    self.rows = rows(&report);
-                    self.report = Some(report);
-                }
-            }
+        if let Some(report) = self.bench.follow()? {
+            self.rows = rows(&report);
+            self.report = Some(report);
         }
         Ok(())
-    }
-
-    /// The share that is done, and the time left.
-    pub fn progress(&self) -> (f32, Duration) {
-        let [done, planned] = self.work.map(|work| work as f64);
-        let share = (done / planned.max(1.0)).min(1.0);
-        let left = self.begun.elapsed().as_secs_f64() * (1.0 - share) / share.max(0.01);
-        (share as f32, Duration::from_secs_f64(left))
     }
 
     /// Writes the report to a new folder, as `bench` does, with the scene beside it.
@@ -165,15 +103,6 @@ impl Comparison {
             std::fs::write(&scene, document.text_to_save(&scene)).map_err(|error| error.to_string())?;
             Ok(path.join("report.html"))
         }))
-    }
-}
-
-impl Drop for Comparison {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
     }
 }
 
@@ -245,37 +174,6 @@ fn plan(session: &Session, on_cpu: bool, wanted: Wanted) -> Plan {
         },
         settings,
     }
-}
-
-fn measure(
-    mut bench: Bench,
-    (stop, turn): (&AtomicBool, &Mutex<()>),
-    sender: &Sender<Message>,
-) -> Result<Report, BenchError> {
-    let _ = sender.send(Message::Planned(bench.work_left()));
-    let (mut held, mut since) = (take_turn(turn, stop), Instant::now());
-    let mut progress = |task: &str, work: u64| {
-        let _ = sender.send(Message::Progress(task.to_owned(), work));
-        if since.elapsed() >= REDRAW {
-            held = None;
-            std::thread::sleep(TURN);
-            (held, since) = (take_turn(turn, stop), Instant::now());
-        }
-    };
-    bench.run(&mut Control::new(stop, &mut progress))?;
-    Ok(bench.report().clone())
-}
-
-/// Waits for the turn of the measurement; none once it is to stop, since the window then waits for its end.
-fn take_turn<'a>(turn: &'a Mutex<()>, stop: &AtomicBool) -> Option<MutexGuard<'a, ()>> {
-    while !stop.load(Ordering::Relaxed) {
-        match turn.try_lock() {
-            Ok(guard) => return Some(guard),
-            Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
-            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
-        }
-    }
-    None
 }
 
 fn rows(report: &Report) -> Vec<Row> {

@@ -86,7 +86,6 @@ impl App {
                 open.resized = Some(std::time::Instant::now());
             }
             Action::Set(settings) => open.set_and_remember(&settings)?,
-            Action::Expose(stops) => open.expose(stops)?,
             Action::Undo => open.step_back()?,
             Action::Redo => open.step_forward()?,
             Action::Screenshot { exr } => {
@@ -188,6 +187,7 @@ impl Open {
                 self.panel.scene.ask_for(Purpose::Save, name);
             }
             Action::Save(path) => self.save(path),
+            Action::Expose(stops) => self.expose(stops)?,
             other => self.look(other)?,
         }
         Ok(())

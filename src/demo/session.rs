@@ -282,30 +282,6 @@ impl Session {
         document
     }
 
-    /// The entry whose surface is at a position of the picture; none for what surrounds the camera, so that no click moves a building.
-    pub fn selected_at(&self, at: Vec2) -> Option<Selected> {
-        let instance =
-            self.pick(at).map(|picked| picked.instance).filter(|instance| !self.surrounds(*instance))?;
-        if instance < self.document.instances().len() {
-            return Some(Selected::Instance(instance));
-        }
-        let mut lights = 0..self.document.lights().len();
-        lights.find(|&light| self.document.light_instance(light) == Some(instance)).map(Selected::Light)
-    }
-
-    /// Whether the camera is inside of an instance's bounds.
-    fn surrounds(&self, instance: usize) -> bool {
-        let (Some(known), Some(transform)) =
-            (self.scene.instances.get(instance), self.pose.instances.get(instance))
-        else {
-            return false;
-        };
-        let mesh = &self.scene.meshes[known.mesh];
-        let (low, high) = mesh.bounds();
-        let eye = transform.inverse().transform_point3(self.pose.camera.eye) - mesh.anchor;
-        eye.cmpge(low).all() && eye.cmple(high).all()
-    }
-
     /// The name of an entry, to be read.
     pub fn name_of(&self, selected: Selected) -> String {
         match selected {

@@ -17,6 +17,9 @@ use crate::report::FrameReport;
 use crate::settings::Settings;
 use crate::vulkan::{Device, Pane};
 
+/// Most frames that one side draws while the other waits.
+const MOST_FRAMES: f64 = 32.0;
+
 /// The picture to show right of the divider.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -114,8 +117,9 @@ impl Split {
             return [true; 2];
         }
         self.taken_ms[less] += costs[less];
-        let both = self.taken_ms[0].min(self.taken_ms[1]);
-        self.taken_ms = self.taken_ms.map(|ms| ms - both);
+        // The first frame of all compiles shaders: no side waits longer for it than for so many frames of the other.
+        let (both, most) = (self.taken_ms[0].min(self.taken_ms[1]), MOST_FRAMES * costs[0].min(costs[1]));
+        self.taken_ms = self.taken_ms.map(|ms| (ms - both).min(most));
         [less == 0, less == 1]
     }
 

@@ -192,7 +192,9 @@ impl Tour {
             comparison.filter(|comparison| comparison.is_running()),
             split.map(|split| &split.right),
         ) {
-            (Some(comparison), _) => format!("waits: {:.0} % measured", 100.0 * comparison.progress().0),
+            (Some(comparison), _) => {
+                format!("waits: {:.0} % measured", 100.0 * comparison.bench.progress().0)
+            }
             (_, Some(Right::Renderer(other))) => format!("left {left}, right {}", rate(&other.report)),
             (_, Some(Right::Reference(reference))) => match reference.progress() {
                 Some(progress) => format!("{} samples a pixel", progress.samples),

@@ -102,7 +102,7 @@ fn nothing_is_seen_of_other_sets_until_all_are_there() {
 /// The camera turns, so that each frame shows what no set of before has seen.
 #[test]
 fn nothing_that_comes_into_view_is_black_whatever_changes() {
-    const FRAMES: u32 = 400;
+    const FRAMES: u32 = 120;
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
     let mut random = 1u32;
@@ -140,7 +140,7 @@ fn nothing_that_comes_into_view_is_black_whatever_changes() {
         let both = indirect(&renderer).into_iter().zip(indirect(&reference));
         dark += both.filter(|(ours, full)| luminance(ours) < 0.25 * luminance(full)).count();
     }
-    assert!(changes >= 150, "{changes} changes");
+    assert!(changes >= 45, "{changes} changes");
     assert_eq!(dark, 0, "pixels of {FRAMES} frames are below a quarter of the reference");
 }
 

@@ -7,6 +7,7 @@ use super::scene::short;
 use super::settings::{name_of, presets};
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
+use crate::demo::session::Session;
 use crate::demo::split::RightSide;
 use crate::estimators;
 use crate::settings::{Direct, Indirect, Settings};
@@ -77,14 +78,15 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
 
 /// Shows the frame rate of the last half second.
 fn rate(ui: &mut Ui, shown: &Shown<'_>) {
-    let [width, height] = shown.session.map_or([0; 2], |session| session.settings.size);
+    let size = |session: &Session| session.settings.size.map(|side| side.to_string()).join("x");
+    let size = shown.session.map(size).unwrap_or_default();
     let ms = shown.history.recent_ms();
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };
     // As wide whatever the numbers, so that nothing moves under the pointer.
     let digits = usize::from(fps < 10.0);
     let is_frozen = shown.session.is_some_and(|session| session.renderer.is_frozen());
     let rate = if is_frozen { "stands still".to_owned() } else { format!("{fps:4.digits$} fps {ms:6.1} ms") };
-    ui.monospace(format!("{rate:18} {:>9}", format!("{width}x{height}")));
+    ui.monospace(format!("{rate:18} {size:>9}"));
     ui.separator();
 }
 

@@ -89,8 +89,8 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: 
 }
 
 fn progress(ui: &mut Ui, comparison: &Comparison) {
-    let (share, left) = comparison.progress();
-    ui.label(&comparison.task);
+    let (share, left) = comparison.bench.progress();
+    ui.label(comparison.bench.task());
     ui.add(ProgressBar::new(share).desired_width(2.0 * PLOT.x));
     ui.label(format!("about {} s left; the window waits meanwhile", left.as_secs()));
 }
