@@ -26,6 +26,10 @@ fn the_frame_rate_of_temporal_sets_is_measured_shown_and_saved() {
     demo.frames(6);
     let seen = demo.now();
     demo.key_for("F3", "toggle-compare");
+    // It takes as long as it takes, but the window goes on.
+    while !demo.events()[seen..].iter().any(|event| event["event"] == "compared") {
+        demo.frames(1);
+    }
     let compared = demo.wait_after(seen, "measurements", |event| event["event"] == "compared");
     let rows: Vec<Value> = compared["details"].as_array().unwrap().clone();
     let names: Vec<&str> = rows.iter().map(|row| row["name"].as_str().unwrap()).collect();

@@ -56,9 +56,9 @@ pub(crate) use indirect_shadows::samples;
 use passes::Passes;
 use path_lines::PathView;
 use scale::{geometry_bound, median_segment_length, power_of_two_near};
+use set_buffers::RenderedSet;
 #[cfg(feature = "bench")]
 pub(crate) use set_buffers::set_step;
-use set_buffers::{Holes, RenderedSet, SetBuffers, SetPush};
 use staleness::Staleness;
 use swept_bounds::{MAX_SWEPT_BOXES, SweptBounds, SweptBox};
 use view::{VplViewPass, VplViewSources};
@@ -298,19 +298,8 @@ impl Estimator for Vpls {
         denoised: &Image,
     ) -> Result<(), VulkanError> {
         let Some(uploaded) = &self.uploaded else { return Ok(()) };
-        let pass = &self.passes.indirect_reprojection;
-        let push = |sets: &SetBuffers, holes| SetPush {
-            holes,
-            ..sets.push(self.settings.vpl.missing_sets, &self.frame_set.flux)
-        };
-        let sets = &self.passes.sets;
-        let Some(settled) = &self.passes.settled else {
-            let push = push(sets, Holes::default());
-            return pass.upsample(frame, inputs, uploaded, (sets, &push), denoised);
-        };
-        // Old sets know nothing of what comes into view.
-        pass.upsample(frame, inputs, uploaded, (settled, &push(settled, Holes::LEAVE)), denoised)?;
-        pass.upsample(frame, inputs, uploaded, (sets, &push(sets, Holes::FILL)), denoised)
+        let light = (self.settings.vpl.missing_sets, self.frame_set.flux.as_slice());
+        self.passes.upsample(frame, inputs, uploaded, light, denoised)
     }
 
     fn resolved(&self) -> Option<&Image> {
