@@ -5,6 +5,7 @@
 //! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
 //! - `hit_light`: light at what reflection rays hit.
 //! - `clusters`: VPLs by neighbourhood, which texels sample; `staleness`: what has changed since each set was rendered.
+//! - `tonna`, `tonna_passes`: the method as published, an estimator by itself, for comparison.
 //! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
 
 mod change;
@@ -22,6 +23,8 @@ mod scale;
 mod set_buffers;
 mod staleness;
 mod swept_bounds;
+mod tonna;
+mod tonna_passes;
 mod view;
 mod vpl_buffer;
 mod vpl_light;
@@ -39,6 +42,7 @@ pub use manager::{
 };
 pub use method::METHOD;
 pub use path_lines::{path_legend, reason_colour};
+pub use tonna::METHOD as TONNA;
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, shows_a_set};
 
 use super::ray_counters::RayCounters;
