@@ -63,8 +63,8 @@ settings! {
     /// Whether levels filter along x, then along y: 10 taps in place of 25, about half their time, and edges that are neither
     /// upright nor level blur more.
     "svgf_separable" separable: bool = false, Kind::Flag;
-    /// Whether the blur is only as wide as is of use: that of a sharp mirror or of a shadow's edge near what casts it is not. One
-    /// more read a pixel and level.
+    /// Whether the blur of reflections is only as wide as is of use, which that of a sharp mirror is not. One more read a pixel and
+    /// level.
     "svgf_adaptive" adaptive: bool = true, Kind::Flag;
     /// Whether taps lie twice as far apart where much noise is expected, as in Granja 2021: in reflections of surfaces of a roughness
     /// from 0.2 on, and in shadows of lights more than 6 degrees wide; for comparison. Costs nothing.

@@ -3,15 +3,16 @@
 //!
 //! It shares the manager with [`Vpls`](super::Vpls), but has neither a pool of VPLs behind the slots nor candidates for them.
 
+mod passes;
+
 use std::time::Instant;
 
 use bytemuck::Zeroable;
 
 use super::manager::{GpuVpl, VplManager};
 use super::method::{AXES, COUNTERS};
-use super::scale::{geometry_bound, median_segment_length, power_of_two_near};
+use super::scale::{geometry_bound, irradiance_scale, median_segment_length};
 use super::set_buffers::{RenderedSet, SetBuffers};
-use super::tonna_passes::TonnaPasses;
 use super::vpl_buffer::{VplBuffer, VplUniforms};
 use super::{RayCounters, SHADOW_RAYS};
 use crate::estimators::{Estimator, EstimatorContext, IrradianceSignal, Method, MethodPasses, World};
@@ -21,6 +22,7 @@ use crate::passes::still::SampledIrradiance;
 use crate::report::{Counters, PassInfo};
 use crate::settings::{Indirect, Settings, VplSettings};
 use crate::vulkan::{Buffer, Frame, VulkanError};
+use passes::TonnaPasses;
 
 /// The description of the method.
 pub const METHOD: Method = Method {
@@ -91,12 +93,6 @@ impl Tonna {
             settings: settings.vpl,
         })
     }
-
-    /// As [`super::Vpls`] scales irradiance.
-    fn irradiance_scale(&self) -> f32 {
-        let flux: f32 = self.flux.iter().sum();
-        power_of_two_near(flux / (6.0 * self.median_segment_length * self.median_segment_length)).recip()
-    }
 }
 
 impl Estimator for Tonna {
@@ -131,7 +127,7 @@ impl Estimator for Tonna {
 
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
         self.vpls.ray_counters().begin(frame);
-        let irradiance_scale = self.irradiance_scale();
+        let irradiance_scale = irradiance_scale(&self.flux, self.median_segment_length);
         let uniforms = VplUniforms {
             geometry_bound: geometry_bound(&self.settings, self.median_segment_length),
             bounces: self.bounces,
@@ -158,7 +154,8 @@ impl Estimator for Tonna {
         let classes = self.settings.interleave.pow(2);
         SampledIrradiance {
             image: self.passes.gathered(),
-            scale: (classes * self.settings.temporal_sets) as f32 / self.irradiance_scale(),
+            scale: (classes * self.settings.temporal_sets) as f32
+                / irradiance_scale(&self.flux, self.median_segment_length),
             step: 1,
             offset: [0; 2],
         }

@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use super::set_buffers::{SetBuffers, SetPush};
-use super::vpl_buffer::UploadedSet;
+use super::super::set_buffers::{SetBuffers, SetPush};
+use super::super::vpl_buffer::UploadedSet;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
