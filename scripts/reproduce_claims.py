@@ -262,7 +262,9 @@ PLACES = {"flight": "Sponza", "cornell-box": "a closed room", "playroom": "a roo
 def f_speed(lab):
     svgf, bmfr = times(lab.reports("flight", SVGF, 12), SVGF_PASSES), times(lab.reports("flight", BMFR, 12), BMFR_PASSES)
     found = ratios(svgf, bmfr)
-    return Found({"times faster": found}, *holds(mean(found) > 1.5, "on this device it is not; a CPU has no shared memory to gain from"))
+    if lab.machine["device"].startswith("llvmpipe"):
+        return Found({"times faster on a CPU": found}, "not testable", "BMFR is made for a GPU's shared memory, which a CPU driver has not")
+    return Found({"times faster": found}, *holds(mean(found) > 1.5, "less"))
 
 
 @claim("f-quality", "F: BMFR has less error than SVGF in two scenes of three", "table 5.2",
