@@ -334,23 +334,23 @@ def m_bright(lab):
 
 def leaked(lab, scene, bits):
     options = f"{MEIJER} --filter hpsf --cells-width 64 --cells-normal-bits {bits}"
-    return metric(lab.compared(scene, options, 24, bounces=1), "mean_ratio")
+    return metric(lab.compared(scene, options, 24, bounces=1), "rmse")
 
 
 @claim("m-edges", "M: normals in the key keep light out of shadows at edges", "5.3, figure 11",
-       "the shaded side of a step on a lit floor: mean over the reference's with 0 and 3 bits of the normal, cells of 64 px")
+       "the shaded side of a step on a lit floor: RMSE against the reference with 0 and 3 bits of the normal, cells of 64 px")
 def m_edges(lab):
     without, with_bits = leaked(lab, "step", 0), leaked(lab, "step", 3)
     return Found({"without": without, "with": with_bits},
-                 *holds(abs(mean(with_bits) - 1) < abs(mean(without) - 1) - 0.02, "they do not"))
+                 *holds(mean(with_bits) < 0.9 * mean(without), "they do not"))
 
 
 @claim("m-wall", "M: normals in the key keep shadows, as shadowed areas have other normals", "6",
-       "a shadow on a floor, seen alone: the same", in_ci=True)
+       "a shadow on a plane floor: the same", in_ci=True)
 def m_wall(lab):
     without, with_bits = leaked(lab, "shadow", 0), leaked(lab, "shadow", 3)
     return Found({"without": without, "with": with_bits},
-                 *holds(abs(mean(with_bits) - 1) < abs(mean(without) - 1) - 0.02, "on a plane all normals are one"))
+                 *holds(mean(with_bits) < 0.9 * mean(without), "on a plane all normals are one"))
 
 
 @claim("m-width", "M: wider cells have less noise", "5.2, figure 9", "`cornell-box`, HPSF, one frame: RMSE with cells of 4 and 16 px")

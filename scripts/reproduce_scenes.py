@@ -71,7 +71,7 @@ irradiance = [3, 3, 2.8]
 angle_deg = ANGLE
 """
 
-# A floor in the shadow of a board, which the camera looks at alone; with a box in it or without.
+# The shadow of a board on a floor; with a step beside it or without.
 SHADOW = """name = "shadow"
 [[models]]
 name = "floor"
@@ -121,10 +121,10 @@ def text_of(name):
         return (MIRROR.replace("ROUGHNESS", roughness).replace("MOTION", STRAFE if motion == "camera" else "")
                 .replace("ANGLE", "2"))
     if kind == "shadow":
-        return SHADOW.replace("BOX", "").replace("FOV", "8")
+        return SHADOW.replace("BOX", "").replace("FOV", "45")
     if kind == "step":
         # The shaded side of a step beside a floor that is lit.
-        text = SHADOW.replace("BOX", BOX).replace("FOV", "6")
+        text = SHADOW.replace("BOX", BOX).replace("FOV", "30")
         return text.replace("eye = [0, 3, 3.2]", "eye = [6.5, 0.9, 0]").replace("target = [0, 0, 0]", "target = [3.25, 0.2, 0]")
     return None
 
