@@ -37,6 +37,14 @@ def holds(condition, why=""):
     return ("confirmed", "") if condition else ("refuted", why)
 
 
+def above(values, bound, why=""):
+    """Whether they are above a bound, as far as their spread tells."""
+    spread = statistics.stdev(values) if len(values) > 1 else 0
+    if abs(statistics.fmean(values) - bound) < spread:
+        return "not testable", "the spread on this machine is wider than the difference"
+    return holds(statistics.fmean(values) > bound, why)
+
+
 def mean(values):
     return statistics.fmean(values)
 
@@ -67,7 +75,7 @@ def speed_up(scene, thesis):
         many = lab.reports(scene, TONNA + " --temporal-sets 16", 16)
         stages = ratios(times(one, STAGES), times(many, STAGES))
         rays = ratios(*([report["summary"]["median"]["shadow_rays"] for report in reports] for reports in (one, many)))
-        verdict, why = holds(mean(stages) > 0.5 * thesis, "less than half of it")
+        verdict, why = above(stages, 0.5 * thesis, "less than half of it")
         return Found({"stages of indirect light": stages, "rays": rays}, verdict, why)
     return measure
 
@@ -82,7 +90,7 @@ def t_speed_moving(lab):
     one = lab.reports("flight", TONNA + " --temporal-sets 1", 2)
     many = lab.reports("flight", TONNA + " --temporal-sets 16", 16)
     found = ratios(times(one, STAGES), times(many, STAGES))
-    return Found({"stages of indirect light": found}, *holds(mean(found) > 6, "less than 6"))
+    return Found({"stages of indirect light": found}, *above(found, 6, "less than 6"))
 
 
 @claim("t-larger", "T: more than 16 sets gain little: T = 32 is 1.09 to 1.3 times faster than 16", "figure 24",
@@ -91,7 +99,7 @@ def t_larger(lab):
     sixteen = lab.reports("cornell-box", TONNA + " --temporal-sets 16", 32)
     more = lab.reports("cornell-box", TONNA + " --temporal-sets 32", 64)
     found = ratios(times(sixteen), times(more))
-    return Found({"frame": found}, *holds(mean(found) < 1.5, "it gains more"))
+    return Found({"frame": found}, *above([-ratio for ratio in found], -1.5, "it gains more"))
 
 
 def quality(scene):
@@ -147,7 +155,7 @@ def t_holes(lab):
 def t_ghosts(lab):
     usual, high = (lab.compared("flight", f"{TONNA} --position-cutoff {cutoff}", 24, layer="indirect") for cutoff in ["0.02", "0.5"])
     found = metric(usual, "ssim"), metric(high, "ssim")
-    return Found({"SSIM at 0.02": found[0], "at 0.5": found[1]}, *holds(mean(found[1]) < mean(found[0]) - 0.005, "no worse"))
+    return Found({"SSIM at 0.02": found[0], "at 0.5": found[1]}, *above([a - b for a, b in zip(*found)], 0, "no worse"))
 
 
 @claim("t-dark", "T: surfaces that come into view stay dark until their sets come round", "figures 18, 27",
@@ -166,7 +174,7 @@ CLAMPED = PLAIN.replace("clamp none", "clamp clamp")
 WIDENED = CLAMPED.replace("widened false", "widened true")
 SEPARABLE = WIDENED.replace("separable false", "separable true")
 REINHARD = SEPARABLE.replace("reinhard false", "reinhard true")
-ROUGH = "mirror:0.2:still"
+ROUGH = "mirror:0.3:still"
 
 
 def reflected(lab, options, scene=ROUGH, name="ssim"):
@@ -177,7 +185,7 @@ def extension(name, title, before, after, verdict):
     def measure(lab):
         found = reflected(lab, before), reflected(lab, after)
         return Found({"SSIM before": found[0], "after": found[1]}, *verdict(mean(found[1]) - mean(found[0])))
-    claim(name, title[0], title[1], "boxes above a mirror of roughness 0.2, reflections alone, the extensions before it on",
+    claim(name, title[0], title[1], "boxes above a mirror of roughness 0.3, reflections alone, the extensions before it on",
           in_ci=name == "g-clamp")(measure)
 
 
@@ -199,9 +207,9 @@ def g_roughness(lab):
     return Found(found, *holds(sharp < min(rough), "sharp mirrors are the easiest: their rays have no noise"))
 
 
-@claim("g-motion", "G: a moving camera costs SSIM in rough mirrors", "table 5.19", "the same, roughness 0.2, still and strafing")
+@claim("g-motion", "G: a moving camera costs SSIM in rough mirrors", "table 5.19", "boxes above a mirror of roughness 0.2, still and strafing")
 def g_motion(lab):
-    still, moving = reflected(lab, PLAIN), reflected(lab, PLAIN, "mirror:0.2:camera")
+    still, moving = reflected(lab, PLAIN, "mirror:0.2:still"), reflected(lab, PLAIN, "mirror:0.2:camera")
     return Found({"SSIM still": still, "moving": moving}, *holds(mean(moving) < mean(still), "it costs nothing"))
 
 
@@ -218,7 +226,7 @@ ATROUS = ["soft_shadows_svgf_atrous", "reflections_svgf_atrous"]
 def g_separable_speed(lab):
     whole, separable = (times(lab.reports(ROUGH, options, 16), ATROUS) for options in [WIDENED, SEPARABLE])
     found = ratios(whole, separable)
-    return Found({"times faster": found}, *holds(mean(found) > 1.4, "less"))
+    return Found({"times faster": found}, *above(found, 1.4, "less"))
 
 
 def reflected_of_white(printed, samples=200_000, roughness=0.4, cosine=0.2):

@@ -9,8 +9,8 @@
 
 layout(set = 0, binding = 7, rgba16f) uniform readonly image2D gbuffer_albedo;
 
-// From this roughness on.
-const float ROUGH = 0.2;
+// From a roughness of 0.2 on, which half floats round down.
+const float ROUGH = 0.1995;
 
 #define STEP_AT(pixel) (imageLoad(gbuffer_albedo, pixel).a >= ROUGH ? 2 * push.step : push.step)
 #include "svgf_atrous.glsl"
