@@ -82,7 +82,7 @@ def speed_up(scene, thesis):
 
 for scene, (title, thesis) in FIVE.items():
     claim(f"t-speed-{scene}", f"T: 16 sets make {title} {thesis} times faster than one", "figure 24",
-          f"`{scene}`, T = 1 and 16: time of indirect light, and its rays", in_ci=scene == "cornell-box")(speed_up(scene, thesis))
+          f"`{scene}`, T = 1 and 16: time of indirect light, and its rays")(speed_up(scene, thesis))
 
 
 @claim("t-speed-moving", "T: the speed-up holds while the camera moves", "6.2", "flight through `atrium`, T = 1 and 16")
@@ -222,7 +222,7 @@ def g_ghosts(lab):
 ATROUS = ["soft_shadows_svgf_atrous", "reflections_svgf_atrous"]
 
 
-@claim("g-separable-speed", "G: a separable blur is 1.6 to 2 times faster", "5.3", "the a-trous passes of both effects, before and after", in_ci=True)
+@claim("g-separable-speed", "G: a separable blur is 1.6 to 2 times faster", "5.3", "the a-trous passes of both effects, before and after")
 def g_separable_speed(lab):
     whole, separable = (times(lab.reports(ROUGH, options, 16), ATROUS) for options in [WIDENED, SEPARABLE])
     found = ratios(whole, separable)
