@@ -1,9 +1,9 @@
 //! Makes a constant of each shader's SPIR-V and sets `GLOWWORM_COMMIT`.
 //!
 //! The SPIR-V is committed in `shaders/spirv`, so that a build needs no C++ compiler. Where the sources differ from those it
-//! was compiled from, the build stops, unless the feature `compile-shaders` compiles them here.
+//! was compiled from, the build stops.
 
-#[path = "shaders/compiler/sources.rs"]
+#[path = "shaders/sources.rs"]
 mod sources;
 
 use std::fmt::Write as _;
@@ -15,25 +15,20 @@ fn main() {
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("set by cargo"));
     let shaders = root.join("shaders");
     println!("cargo::rerun-if-changed={}", shaders.display());
-    match spirv_folder(&shaders, &out) {
+    match spirv_folder(&shaders) {
         Ok(spirv) => write_constants(&shaders, &spirv, &out),
         Err(messages) => messages.iter().for_each(|message| println!("cargo::error={message}")),
     }
     set_commit(&root);
 }
 
-/// Compiles the shaders. Returns the folder of their SPIR-V.
-#[cfg(feature = "compile-shaders")]
-fn spirv_folder(shaders: &Path, out: &Path) -> Result<PathBuf, Vec<String>> {
-    let spirv = out.join("spirv");
-    shader_compiler::compile_all(shaders, &spirv)?;
-    Ok(spirv)
-}
-
 /// The folder of the committed SPIR-V, if it was compiled from the sources as they are.
-#[cfg(not(feature = "compile-shaders"))]
-fn spirv_folder(shaders: &Path, _: &Path) -> Result<PathBuf, Vec<String>> {
+fn spirv_folder(shaders: &Path) -> Result<PathBuf, Vec<String>> {
     let spirv = shaders.join("spirv");
+    // A published package has no compiler, and its sources never change.
+    if !shaders.join("compiler").exists() {
+        return Ok(spirv);
+    }
     let compiled = std::fs::read_to_string(spirv.join(sources::MANIFEST)).unwrap_or_default();
     let now = sources::manifest(shaders).expect("the shaders can be read");
     if now == compiled {
@@ -42,8 +37,7 @@ fn spirv_folder(shaders: &Path, _: &Path) -> Result<PathBuf, Vec<String>> {
     let differs = |of: &str, other: &str| of.lines().find(|line| !other.contains(line)).map(str::to_owned);
     let line = differs(&now, &compiled).or_else(|| differs(&compiled, &now)).unwrap_or_default();
     let file = line.split_whitespace().last().unwrap_or("shaders");
-    let commands = "run scripts/compile-shaders, or build with --features compile-shaders";
-    Err(vec![format!("{file} is not what shaders/spirv was compiled from; {commands}")])
+    Err(vec![format!("{file} is not what shaders/spirv was compiled from; run scripts/compile-shaders")])
 }
 
 /// Writes `shaders.rs`: a constant for each shader, whose name follows from that of its file.

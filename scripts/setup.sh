@@ -61,11 +61,11 @@ shaders_have_changed() {
     [ "$now" != "$(cat "$root/shaders/spirv/sources.sha1" 2>/dev/null)" ]
 }
 
-# Adds the feature that compiles the shaders to the array `options` of cargo's arguments, if they have changed.
-shader_feature() {
+# Compiles the shaders if they have changed.
+compile_changed_shaders() {
     if shaders_have_changed; then
-        say "shaders have changed, so the build compiles them; scripts/compile-shaders does it once and for all"
-        options+=(--features=compile-shaders)
+        say "shaders have changed, so they are compiled to shaders/spirv"
+        "$root/scripts/compile-shaders"
     fi
 }
 

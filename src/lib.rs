@@ -1,5 +1,36 @@
 //! glowworm: real-time global illumination by temporally interleaved instant radiosity.
 //!
+//! Renders a glTF file to a picture:
+//!
+//! ```no_run
+//! use std::{error::Error, path::Path, sync::Arc};
+//! use glowworm::{formats::load_scene, output::PictureTarget, renderer::Renderer, settings::Settings};
+//! use glowworm::vulkan::{Device, Instance, InstanceOptions};
+//!
+//! fn main() -> Result<(), Box<dyn Error>> {
+//!     let device = Device::open(&Instance::new(InstanceOptions::default())?, None)?;
+//!
+//!     // A bare model gets a camera and, if it has none, lights.
+//!     let scene = Arc::new(load_scene("helmet.glb", None)?);
+//!     let pose = scene.pose(0.0);
+//!     let settings = Settings { size: [1280, 720], ..Settings::resolve(&scene.settings, &Default::default())? };
+//!
+//!     // While nothing moves, the picture converges to that of the path tracer.
+//!     let mut renderer = Renderer::new(&device, &scene, &settings, &pose)?;
+//!     while !renderer.is_frozen() {
+//!         renderer.render(&pose)?;
+//!     }
+//!     PictureTarget::new(Path::new("helmet.png"), false)?.write(&renderer.read_picture(false)?, 0)?;
+//!     Ok(())
+//! }
+//! ```
+//!
+//! The folder `examples` has more: without a window (`offscreen`), in a window of winit (`window`), a method of one's own
+//! (`estimator`), methods side by side (`compare`). Settings by name, as on the command line: [`settings::Settings::from_table`].
+//!
+//! Features, all on by default: `window` ([`demo`]), `bench` ([`mod@bench`], comparisons and plots), `export` ([`mod@export`]). The library
+//! alone is `default-features = false`. Rust 1.95 or newer, which is what its dependencies need; Vulkan 1.3 at run time.
+//!
 //! Modules, from the bottom up (imports run downwards only):
 //!
 //! - [`settings`]: every knob, one struct.
@@ -22,14 +53,15 @@
 //! - [`renderer`]: the frame itself.
 //! - [`mod@reference`]: the ground truth, by path tracing on the CPU.
 //! - [`dataset`]: noisy and converged pictures with features, for denoisers.
-//! - [`export`]: scenes for Mitsuba 3.
+//! - [`mod@export`]: scenes for Mitsuba 3.
 //! - [`mod@bench`]: the benchmark and its report.
 //! - [`demo`]: the window.
 //! - [`cli`]: the command line.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(
-    not(all(feature = "window", feature = "bench")),
-    allow(dead_code, reason = "only the window and the benchmark use some of it")
+    not(all(feature = "window", feature = "bench", feature = "export")),
+    allow(dead_code, reason = "only the window, the benchmark and the export use some of it")
 )]
 
 mod activity;
@@ -45,6 +77,7 @@ pub mod demo;
 pub mod denoise;
 pub mod effects;
 pub mod estimators;
+#[cfg(feature = "export")]
 pub mod export;
 pub mod filters;
 pub mod formats;

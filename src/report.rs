@@ -166,6 +166,8 @@ pub struct RenderReport {
     /// Times before the first frame.
     #[serde(flatten)]
     pub load: LoadTimes,
+    /// Most device memory in use at once, bytes.
+    pub device_memory: u64,
     /// Every frame, in order.
     pub frames: Vec<FrameReport>,
     /// Median and 95th percentile; none if there are no frames.
@@ -190,9 +192,16 @@ impl RenderReport {
             settings: settings.clone(),
             commit: COMMIT,
             load,
+            device_memory: 0,
             summary: Summary::of(&frames),
             frames,
         }
+    }
+
+    /// The same with the most device memory in use at once, bytes.
+    #[must_use]
+    pub fn with_device_memory(self, device_memory: u64) -> Self {
+        Self { device_memory, ..self }
     }
 
     /// The run in one line.
@@ -268,7 +277,7 @@ mod tests {
         };
         let top =
             vec!["scene", "device", "driver", "tracer", "direct", "settings", "commit", "frames", "summary"];
-        assert_eq!(keys(&json), sorted([top, vec!["load_ms", "bvh_ms"]].concat()));
+        assert_eq!(keys(&json), sorted([top, vec!["load_ms", "bvh_ms", "device_memory"]].concat()));
         assert_eq!((&json["load_ms"], &json["bvh_ms"]), (&12.0.into(), &3.0.into()));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
         let first = &json["frames"][0];

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "../shaders/compiler/sources.rs"]
+#[path = "../shaders/sources.rs"]
 mod sources;
 
 use std::collections::BTreeSet;

@@ -1,5 +1,6 @@
 //! Compiles every shader of `shaders/` to SPIR-V with glslang.
 
+#[path = "../sources.rs"]
 pub mod sources;
 
 use std::fs;

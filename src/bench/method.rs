@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         for (text, says) in [
-            ("vpl", "vpl: must be vpls, paths, none, reference@N or all"),
+            ("vpl", "vpl: must be vpls, paths, tonna, none, reference@N or all"),
             ("vpls@", "must be OPTION=VALUE"),
             ("vpls@T=0", "temporal-sets 0: must be a whole number, 1 to 64"),
             ("vpls@colour=3", "colour"),

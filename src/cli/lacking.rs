@@ -1,4 +1,4 @@
-//! Stands for subcommands that a build without the features `window` or `bench` lacks.
+//! Stands for subcommands that a build without the features `window`, `bench` or `export` lacks.
 
 use super::CliError;
 
@@ -37,5 +37,14 @@ pub(super) mod compare {
 
     pub fn compare(_: &CompareArguments) -> Result<(), super::CliError> {
         super::lacking("compare", "bench")
+    }
+}
+
+#[cfg(not(feature = "export"))]
+pub(super) mod export {
+    pub use super::Ignored as ExportOptions;
+
+    pub fn export(_: &ExportOptions) -> Result<(), super::CliError> {
+        super::lacking("export", "export")
     }
 }

@@ -14,9 +14,10 @@ mod demo;
 mod denoise;
 mod device;
 mod error;
+#[cfg(feature = "export")]
 mod export;
 mod info;
-#[cfg(not(all(feature = "window", feature = "bench")))]
+#[cfg(not(all(feature = "window", feature = "bench", feature = "export")))]
 mod lacking;
 #[cfg(feature = "bench")]
 mod micro;
@@ -32,6 +33,8 @@ mod table_text;
 
 #[cfg(not(feature = "window"))]
 use lacking::demo;
+#[cfg(not(feature = "export"))]
+use lacking::export;
 #[cfg(not(feature = "bench"))]
 use lacking::{bench, compare};
 
@@ -115,7 +118,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
     }
 }
 
-#[cfg(all(test, feature = "window", feature = "bench"))]
+#[cfg(all(test, feature = "window", feature = "bench", feature = "export"))]
 #[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 mod tests {
     use super::*;

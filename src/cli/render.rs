@@ -186,7 +186,8 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     drop(replay);
     device::check_validation(&device.validation_messages())?;
     let info = device.info();
-    let report = RenderReport::new(&scene.name, info, resolved, &settings, load, reports);
+    let report = RenderReport::new(&scene.name, info, resolved, &settings, load, reports)
+        .with_device_memory(device.memory_peak());
     if let Some(json) = json {
         json.save_json(&report)?;
     }

@@ -122,6 +122,7 @@ impl DatasetDenoiser {
     pub fn denoise(&mut self, given: &DenoiserFrame) -> Result<DenoisedFrame, VulkanError> {
         self.upload(given)?;
         let uniforms = self.uniforms(given);
+        let camera_moves = self.last.is_some_and(|last| last != given.view_projection);
         self.last = Some(given.view_projection);
         let pose = Pose {
             camera: self.scene.camera,
@@ -157,6 +158,8 @@ impl DatasetDenoiser {
             surface: followed.surface(),
             albedo,
             reprojected: &followed.reprojected,
+            camera_moves,
+            light_is_wide: false,
         };
         self.denoiser.record(&mut frame, &inputs)?;
         let joined = CombineInputs {

@@ -46,6 +46,10 @@ pub struct DenoiserInputs<'a> {
     pub albedo: &'a Image,
     /// Where the signal was in the last frame: `Reprojection::reprojected`.
     pub reprojected: &'a Image,
+    /// Whether the camera has moved since.
+    pub camera_moves: bool,
+    /// Whether a light is so wide that its shadows are mostly noise: more than 6 degrees to each side.
+    pub light_is_wide: bool,
 }
 
 impl<'a> DenoiserInputs<'a> {
@@ -60,6 +64,8 @@ impl<'a> DenoiserInputs<'a> {
             albedo: &inputs.gbuffer.albedo,
             surface: inputs.reprojection.surface(),
             reprojected: &inputs.reprojection.reprojected,
+            camera_moves: inputs.clock.camera_moves(),
+            light_is_wide: false,
         }
     }
 

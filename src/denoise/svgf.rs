@@ -13,7 +13,7 @@ use crate::denoiser_pass;
 use crate::passes::effect_view::Visualization;
 use crate::passes::history::History;
 use crate::passes::storage_image;
-use crate::settings::{Denoise, SvgfSettings};
+use crate::settings::{Denoise, HistoryClamp, SvgfSettings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
 
 const TEMPORAL: DenoiserPass =
@@ -56,6 +56,8 @@ pub struct Svgf {
     variance: ComputePipeline,
     /// The whole window; or along x, then along y.
     atrous: Vec<ComputePipeline>,
+    /// Whether these read the roughness.
+    reads_roughness: bool,
     settings: SvgfSettings,
     /// Whether the signal is accumulated as Reinhard's curve has it: the filter's last step expands it.
     is_compressed: bool,
@@ -80,19 +82,24 @@ struct TemporalPush {
     longest: f32,
     rejection: f32,
     brightest: f32,
+    clamp_deviations: f32,
+    clips: u32,
     has_history: u32,
     compress: u32,
 }
 
 impl TemporalPush {
-    fn new(settings: &SvgfSettings) -> Self {
+    fn new(settings: &SvgfSettings, camera_moves: bool) -> Self {
+        let moving_alpha = settings.moving_alpha.filter(|_| camera_moves);
         Self {
-            least_alpha: settings.alpha,
+            least_alpha: moving_alpha.unwrap_or(settings.alpha),
             least_moments_alpha: settings.moments_alpha,
             recent_alpha: RECENT_ALPHA,
             longest: settings.longest_history as f32,
             rejection: settings.history_rejection * deviation_of_change(settings.moments_alpha),
             brightest: settings.firefly,
+            clamp_deviations: settings.clamp_deviations,
+            clips: u32::from(settings.history_clamp == HistoryClamp::Clip),
             ..Self::zeroed()
         }
     }
@@ -133,14 +140,20 @@ impl Svgf {
     ) -> Result<Self, VulkanError> {
         let image = |name: &str| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
         let radii: &[[u32; 2]] = if settings.separable { &[[2, 0], [0, 2]] } else { &[[2, 2]] };
-        let atrous = |radii: &[u32; 2]| {
-            ComputePipeline::specialised(device, "svgf_atrous", shaders::SVGF_ATROUS_COMP, radii)
+        let reads_roughness = settings.widened && usage == Use::Reflections;
+        let shader =
+            if reads_roughness { shaders::SVGF_WIDENED_ATROUS_COMP } else { shaders::SVGF_ATROUS_COMP };
+        let atrous = |radii: &[u32; 2]| ComputePipeline::specialised(device, "svgf_atrous", shader, radii);
+        let temporal = match settings.history_clamp {
+            HistoryClamp::None => shaders::SVGF_TEMPORAL_COMP,
+            HistoryClamp::Clamp | HistoryClamp::Clip => shaders::SVGF_CLAMPED_TEMPORAL_COMP,
         };
         Ok(Self {
             usage,
-            temporal: ComputePipeline::new(device, "svgf_temporal", shaders::SVGF_TEMPORAL_COMP)?,
+            temporal: ComputePipeline::new(device, "svgf_temporal", temporal)?,
             variance: ComputePipeline::new(device, "svgf_variance", shaders::SVGF_VARIANCE_COMP)?,
             atrous: radii.iter().map(atrous).collect::<Result<_, _>>()?,
+            reads_roughness,
             settings: *settings,
             is_compressed: settings.reinhard && settings.levels > 0,
             widest: if settings.adaptive { settings.reach() } else { 0.0 },
@@ -176,7 +189,7 @@ impl Svgf {
         let push = TemporalPush {
             has_history: u32::from(self.history.is_valid()),
             compress: u32::from(self.is_compressed),
-            ..TemporalPush::new(&self.settings)
+            ..TemporalPush::new(&self.settings, inputs.camera_moves)
         };
         frame
             .pass(TEMPORAL.name(self.usage), &self.temporal)
@@ -229,6 +242,12 @@ impl Svgf {
             .dispatch_over(self.light[0].extent())
     }
 
+    /// Pixels between the taps of a level. Wide lights take twice as many, up to 8 (Granja 2021, section 3.6).
+    fn step(&self, level: u32, light_is_wide: bool) -> i32 {
+        let step = 1 << (level - 1);
+        if self.settings.widened && light_is_wide { step.max((2 * step).min(8)) } else { step }
+    }
+
     /// One step of the filter; none of the places is the history.
     fn filter(
         &self,
@@ -239,11 +258,12 @@ impl Svgf {
     ) -> Result<(), VulkanError> {
         let is_last = level == self.settings.levels && part + 1 == self.atrous.len();
         let [from, to] = places.map(|place| place.map_or(self.history(), |index| &self.light[index]));
-        bind(frame.pass(ATROUS.name(self.usage), &self.atrous[part]), inputs)
-            .read("light", from)
+        let pass = bind(frame.pass(ATROUS.name(self.usage), &self.atrous[part]), inputs);
+        let pass = if self.reads_roughness { pass.read("gbuffer_albedo", inputs.albedo) } else { pass };
+        pass.read("light", from)
             .write("filtered", to)
             .push(&AtrousPush {
-                step: 1 << (level - 1),
+                step: self.step(level, inputs.light_is_wide),
                 depth_tolerance: self.settings.depth_tolerance,
                 normal_exponent: self.settings.normal_exponent,
                 luminance_tolerance: self.settings.luminance_tolerance,

@@ -3,6 +3,7 @@
 //!
 //! In: the visible surfaces, all lights, the tracer. Out: by what the unshadowed light of each pixel is to be multiplied.
 
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 use super::{DebugImages, make_denoiser};
@@ -11,6 +12,7 @@ use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
+use crate::scene::{LightKind, Pose};
 use crate::settings::{Noise, Settings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
@@ -65,6 +67,24 @@ impl SoftShadows {
             .read("gbuffer_surface", &gbuffer.surface)
             .write("shadow", &self.noisy)
             .dispatch_over(self.noisy.extent())?;
-        self.denoiser.record(frame, &DenoiserInputs::of(inputs, &self.noisy, None))
+        let denoiser_inputs = DenoiserInputs {
+            light_is_wide: has_wide_light(inputs.pose),
+            ..DenoiserInputs::of(inputs, &self.noisy, None)
+        };
+        self.denoiser.record(frame, &denoiser_inputs)
     }
+}
+
+/// Half the width of a light from which on its shadows are mostly noise, radians.
+const WIDE: f32 = 6.0 * PI / 180.0;
+
+/// Whether a light is that wide, as the eye's place sees it.
+fn has_wide_light(pose: &Pose) -> bool {
+    pose.lights.iter().any(|light| match light.kind {
+        LightKind::Directional { .. } => light.half_angle > WIDE,
+        LightKind::Area { .. } => true,
+        LightKind::Point { .. } | LightKind::Spot { .. } => {
+            light.radius > WIDE.sin() * light.position.distance(pose.camera.eye)
+        }
+    })
 }

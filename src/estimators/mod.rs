@@ -14,6 +14,7 @@ use std::any::Any;
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use indexmap::IndexMap;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -257,7 +258,7 @@ pub struct ViewInputs<'a> {
 }
 
 /// One line a method. [`register`] adds those of other crates.
-static METHODS: Registry<Method> = Registry::new(&[vpls::METHOD, paths::METHOD, none::METHOD]);
+static METHODS: Registry<Method> = Registry::new(&[vpls::METHOD, paths::METHOD, vpls::TONNA, none::METHOD]);
 
 /// All methods.
 pub fn methods() -> &'static [Method] {
@@ -289,12 +290,15 @@ pub fn make(context: &EstimatorContext<'_>) -> Result<Box<dyn Estimator>, Vulkan
 
 /// All counters of all methods, by name.
 pub fn counters() -> impl Iterator<Item = &'static CounterInfo> {
-    methods().iter().flat_map(|method| method.counters)
+    let all = methods().iter().flat_map(|method| method.counters);
+    // Methods may share some.
+    all.map(|counter| (counter.name, counter)).collect::<IndexMap<_, _>>().into_values()
 }
 
 /// All axes of all methods.
 pub fn axes() -> impl Iterator<Item = &'static Axis> {
-    methods().iter().flat_map(|method| method.axes)
+    let all = methods().iter().flat_map(|method| method.axes);
+    all.map(|axis| (axis.setting, axis)).collect::<IndexMap<_, _>>().into_values()
 }
 
 /// The views of what all methods share, then those of methods and of effects.

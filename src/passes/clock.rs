@@ -44,6 +44,7 @@ pub struct FrameClock {
     pub frame: u64,
     /// Whether it shows something else than the frame before.
     is_moving: bool,
+    camera_moves: bool,
     /// Its number among the still frames, at most that of the last which is averaged; none while anything changes.
     still: Option<u32>,
     is_frozen: bool,
@@ -76,6 +77,7 @@ impl Clock {
         let frame = self.frame;
         self.frame += 1;
         let moves = self.last.as_ref().is_some_and(|last| last != pose);
+        let camera_moves = self.last.as_ref().is_some_and(|last| last.camera != pose.camera);
         if moves {
             self.begun = None;
             self.changed = Some(frame);
@@ -92,6 +94,7 @@ impl Clock {
         FrameClock {
             frame,
             is_moving: moves,
+            camera_moves,
             still: still.map(|still| still.min(u64::from(still_frames) - 1) as u32),
             is_frozen: still.is_some_and(|still| still >= u64::from(still_frames)),
             still_frames,
@@ -110,6 +113,11 @@ impl FrameClock {
     /// Whether anything has moved since the frame before.
     pub fn is_moving(&self) -> bool {
         self.is_moving
+    }
+
+    /// Whether the camera has moved since the frame before.
+    pub fn camera_moves(&self) -> bool {
+        self.camera_moves
     }
 
     /// Frames whose mean the picture goes over to, with this one; 0 while anything changes.

@@ -3,7 +3,8 @@
 //! A group of settings is a file of this folder that declares its struct by the macro of `setting.rs`. From that come the options
 //! of the command line, the `[settings]` of scene files, the JSON of reports, the window's panel and docs/OPTIONS.md. To add a
 //! setting, add its lines to its group; to add a group, add a file and its field of [`Settings`] and entry of `GROUPS` below.
-//! [`Settings::resolve`] merges in this order: defaults, the scene file's `[settings]`, the options given on the command line.
+//! [`Settings::resolve`] merges in this order: defaults, the scene file's `[settings]`, the options given on the command line. In both
+//! a preset comes before all others.
 
 mod bmfr;
 mod bmfr_features;
@@ -12,6 +13,7 @@ mod error;
 mod indirect;
 mod options;
 mod paths;
+mod preset;
 mod registered;
 mod setting;
 mod svgf;
@@ -26,7 +28,8 @@ pub use error::SettingsError;
 pub use indirect::Indirect;
 pub use options::{GivenDenoising, GivenSettings};
 pub use paths::{CellNormal, CellSettings, PathFilter, PathSettings};
-pub use svgf::SvgfSettings;
+pub use preset::Preset;
+pub use svgf::{HistoryClamp, SvgfSettings};
 pub use vpls::{MissingSets, Sequence, VplSettings};
 
 pub(crate) use options::parser_of;
@@ -106,6 +109,8 @@ settings! {
     at settings => settings;
     used if |_| true;
 
+    /// Settings as a whole, which the others given beside it change.
+    "preset" preset: Preset = Preset::Default, choice::<Preset>();
     /// Method of indirect light.
     "indirect" indirect: Indirect = Indirect::VPLS, choice::<Indirect>();
     /// Shadows of direct light.
@@ -165,6 +170,9 @@ pub(crate) const GROUPS: [Group; 7] = [
     CellSettings::GROUP,
 ];
 
+/// The key of the setting that sets others.
+const PRESET: &str = "preset";
+
 /// Every setting, in the order of the groups.
 pub(crate) fn all() -> impl Iterator<Item = &'static Setting> {
     GROUPS.into_iter().flat_map(|group| group.settings)
@@ -200,7 +208,9 @@ impl Settings {
     }
 
     fn set_given(&mut self, given: &GivenSettings) -> Result<(), SettingsError> {
-        for (key, value) in given.table() {
+        // The preset first, whatever the order.
+        let preset = given.table().iter().filter(|(key, _)| *key == PRESET);
+        for (key, value) in preset.chain(given.table().iter().filter(|(key, _)| *key != PRESET)) {
             let unknown = || SettingsError::Option(format!("--{}: unknown setting", key.replace('_', "-")));
             let (setting, text) = (find(key).ok_or_else(unknown)?, value::text_of(value));
             setting.set(self, &text).map_err(|_| SettingsError::option(setting, &text))?;
@@ -218,19 +228,19 @@ impl Settings {
         }
     }
 
-    /// The command-line options, without their dashes, that turn the defaults into these settings, with their values.
+    /// The command-line options, without their dashes, that make these settings, with their values.
     pub fn differing_options(&self) -> Vec<(String, String)> {
         self.differing_settings().map(|setting| (setting.option(), setting.text(self))).collect()
     }
 
-    /// The settings that are not at their defaults, as the `[settings]` of a scene file.
+    /// The settings that are not those of their preset, as the `[settings]` of a scene file.
     pub fn differing(&self) -> toml::Table {
         self.differing_settings().map(|setting| (setting.key.to_owned(), setting.value(self))).collect()
     }
 
     fn differing_settings(&self) -> impl Iterator<Item = &'static Setting> {
-        let defaults = Self::default();
-        all().filter(move |setting| setting.value(self) != setting.value(&defaults))
+        let base = Self { preset: Preset::Default, ..Self::default().with_preset(self.preset) };
+        all().filter(move |setting| setting.value(self) != setting.value(&base))
     }
 }
 

@@ -2,8 +2,8 @@
 //! of a struct, the option of the command line, the key of a scene file and of reports, the row of the window's panel and
 //! the line of docs/OPTIONS.md.
 
-use super::Settings;
 use super::value::{Kind, text_of, text_of_seconds};
+use super::{PRESET, Settings};
 
 /// A setting.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ impl Setting {
         if !(self.read)(&mut changed, text) || !self.kind.admits(&self.value(&changed)) {
             return Err(format!("must be {}", self.kind));
         }
-        *settings = changed;
+        *settings = if self.key == PRESET { changed.with_preset(changed.preset) } else { changed };
         Ok(())
     }
 }

@@ -6,12 +6,25 @@
 use super::Denoise;
 use super::effects::effects_are_rendered;
 use super::setting::settings;
-use super::value::{Kind, above_0, at_least_0, number, whole};
+use super::value::{Kind, above_0, at_least_0, choice, choices, number, whole};
 
 /// The range of shares of the newest frame.
 const ALPHA: Kind = number("SHARE", 0.0, 1.0);
 /// The range of levels of the filter.
 const LEVELS: Kind = whole("N", 0, 5);
+
+/// What bounds history by the colours of the new frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum HistoryClamp {
+    /// Nothing. --svgf-history-rejection tests its mean.
+    None,
+    /// Each channel of history is clamped to the box around the new frame's colours, in YCoCg (Granja 2021).
+    Clamp,
+    /// History outside of that box moves towards its middle until it touches it.
+    Clip,
+}
+
+choices!(HistoryClamp);
 
 settings! {
     /// Settings of `--denoise svgf`.
@@ -21,6 +34,8 @@ settings! {
 
     /// Least share of the newest frame in the denoised signal. More: more noise, and changes show sooner. Any costs the same.
     "svgf_alpha" alpha: f32 = 0.05, ALPHA;
+    /// --svgf-alpha while the camera moves; auto: the same. More: shorter trails, and more noise in motion. Any costs the same.
+    "svgf_moving_alpha" moving_alpha: Option<f32> = None, Kind::Auto(&ALPHA);
     /// Least share of the newest frame in the moments of luminance. More: the estimate of the noise follows changes sooner and is
     /// itself noisier. Any costs the same.
     "svgf_moments_alpha" moments_alpha: f32 = 0.05, number("SHARE", 0.0, 1.0);
@@ -34,6 +49,12 @@ settings! {
     /// taken down, while anything moves; 0: none is. Less: fewer spots, and rare bright light gets darker. Shares the reads of
     /// --svgf-history-rejection.
     "svgf_firefly" firefly: f32 = 10.0, at_least_0("DEVIATIONS");
+    /// Bound of history by the mean and deviation of the new frame's 3x3 pixels, in place of --svgf-history-rejection and
+    /// --svgf-firefly; for comparison. Costs 9 reads of 8 bytes a pixel.
+    "svgf_history_clamp" history_clamp: HistoryClamp = HistoryClamp::None, choice::<HistoryClamp>();
+    /// Standard deviations from the mean to the sides of the box of --svgf-history-clamp. More: less noise, longer trails. Any costs
+    /// the same.
+    "svgf_clamp_deviations" clamp_deviations: f32 = 1.0, above_0("DEVIATIONS");
     /// Levels of the a-trous filter. More: each doubles the radius of the blur, at one more pass; 0: no blur.
     "svgf_levels" levels: u32 = 4, LEVELS;
     /// The level after which the signal becomes history, at most the last but one; 0: before the first. More: less noise where
@@ -42,9 +63,12 @@ settings! {
     /// Whether levels filter along x, then along y: 10 taps in place of 25, about half their time, and edges that are neither
     /// upright nor level blur more.
     "svgf_separable" separable: bool = false, Kind::Flag;
-    /// Whether the blur is only as wide as is of use: that of a sharp mirror or of a shadow's edge near what casts it is not. One
-    /// more read a pixel and level.
+    /// Whether the blur of reflections is only as wide as is of use, which that of a sharp mirror is not. One more read a pixel and
+    /// level.
     "svgf_adaptive" adaptive: bool = true, Kind::Flag;
+    /// Whether taps lie twice as far apart where much noise is expected, as in Granja 2021: in reflections of surfaces of a roughness
+    /// from 0.2 on, and in shadows of lights more than 6 degrees wide; for comparison. Costs nothing.
+    "svgf_widened" widened: bool = false, Kind::Flag;
     /// Whether light is averaged as light / (1 + luminance) (Reinhard 2002): less flicker of rare bright samples, which darkens
     /// what is noisy. Costs nothing.
     "svgf_reinhard" reinhard: bool = false, Kind::Flag;

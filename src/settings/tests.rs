@@ -1,6 +1,6 @@
 //! How settings are declared, read, checked, laid over each other and written.
 
-use clap::{Args, Command, FromArgMatches};
+use clap::{Args, Command, FromArgMatches, ValueEnum};
 use toml::Value;
 
 use super::*;
@@ -167,7 +167,7 @@ fn sets_need_vpls() {
 fn errors_of_a_scene_file_are_not_wrong_usage() {
     for (scene, says) in [
         ("vpls = 0", "[settings] vpls = 0: must be a whole number, 1 to 65536"),
-        ("vlps = 9", "[settings] vlps: unknown setting; known are indirect, "),
+        ("vlps = 9", "[settings] vlps: unknown setting; known are preset, indirect, "),
         ("vpls = 2.5", "[settings] vpls = 2.5: must be a whole number"),
         ("vpls = true", "[settings] vpls = true: must be a whole number"),
         ("direct = \"maps\"", "[settings] direct = maps: must be one of auto, hard, soft, paths"),
@@ -212,5 +212,36 @@ fn a_group_may_be_a_subtable() {
         let name = group.table.trim_start_matches("settings.").to_owned();
         let grouped = toml::Table::from_iter([(name, Value::Table(own.clone()))]);
         assert_eq!(Settings::from_table(&grouped), Settings::from_table(&own));
+    }
+}
+
+#[test]
+fn a_preset_comes_before_other_settings_and_leaves_what_the_picture_is_of() {
+    let scene = "vpls = 300\nbounces = 5\nsize = [64, 32]\nexposure = 1.0";
+    // The command line's presets change what the scene file sets, but not what stands beside them.
+    let settings = resolve(scene, &["--temporal-sets", "4", "--preset", "tonna"]).unwrap();
+    let tonna =
+        Settings { size: [64, 32], exposure: Some(1.0), ..Settings::default() }.with_preset(Preset::Tonna);
+    let vpl = VplSettings { temporal_sets: 4, ..tonna.vpl };
+    assert_eq!(settings, Settings { vpl, ..tonna });
+    assert_eq!((settings.bounces, settings.vpl.slots, settings.indirect), (2, 512, Indirect::TONNA));
+    // A scene file's own come first, too, wherever they stand.
+    let settings = resolve("filter = \"hpsf\"\npreset = \"meijer\"", &[]).unwrap();
+    assert_eq!((settings.paths.filter, settings.bounces), (PathFilter::Hpsf, 1));
+    assert_eq!(resolve("preset = \"granja\"", &["--preset", "default"]).unwrap(), Settings::default());
+}
+
+#[test]
+fn settings_are_written_as_a_preset_and_what_differs() {
+    for preset in <Preset as clap::ValueEnum>::value_variants() {
+        let base = Settings { seed: 7, ..Settings::default() }.with_preset(*preset);
+        assert_eq!(base.check(), Ok(()), "{preset:?}");
+        // At its default, but not that of the preset.
+        let settings = Settings { still_frames: 1024, bounces: 2, ..base };
+        assert_eq!(Settings::from_table(&settings.differing()).unwrap(), settings, "{preset:?}");
+        let json = serde_json::to_string(&settings).unwrap();
+        assert_eq!(serde_json::from_str::<Settings>(&json).unwrap(), settings, "{preset:?}");
+        let name = preset.to_possible_value().unwrap().get_name().to_owned();
+        assert!(json.contains(&format!("\"preset\":\"{name}\"")), "{json}");
     }
 }

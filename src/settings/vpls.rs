@@ -29,7 +29,7 @@ settings! {
     /// Settings of `--indirect vpls`.
     struct VplSettings: Copy, table "settings.vpls", "Virtual point lights (--indirect vpls)";
     at settings => settings.vpl;
-    used if |settings| settings.indirect == Indirect::VPLS;
+    used if |settings| [Indirect::VPLS, Indirect::TONNA].contains(&settings.indirect);
     conflict more_sets_than_vpls;
 
     /// VPLs whose shadows are traced: n x n pixels of all temporal sets share so many occlusion rays. More: smoother indirect

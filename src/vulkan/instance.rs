@@ -3,7 +3,7 @@
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use raw_window_handle::RawDisplayHandle;
 
 use super::VulkanError;
@@ -118,6 +118,12 @@ fn create_instance(
         .engine_name(c"glowworm")
         .api_version(vk::API_VERSION_1_3);
     let mut extensions: Vec<*const c_char> = Vec::new();
+    let mut flags = vk::InstanceCreateFlags::empty();
+    // Otherwise the loader hides drivers that lack parts of Vulkan, as MoltenVK does.
+    if has_extension(entry, None, khr::portability_enumeration::NAME) {
+        extensions.push(khr::portability_enumeration::NAME.as_ptr());
+        flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
+    }
     if has_debug_utils {
         extensions.push(ext::debug_utils::NAME.as_ptr());
     }
@@ -135,6 +141,7 @@ fn create_instance(
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let mut info = vk::InstanceCreateInfo::default()
+        .flags(flags)
         .application_info(&application)
         .enabled_extension_names(&extensions)
         .enabled_layer_names(&layers);

@@ -191,6 +191,9 @@ pub(super) fn queue_family(instance: &ash::Instance, device: vk::PhysicalDevice)
     u32::try_from(index).ok()
 }
 
+/// Of drivers that are not fully Vulkan, such as MoltenVK.
+const PORTABILITY_SUBSET: &CStr = c"VK_KHR_portability_subset";
+
 pub(super) fn create_device(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
@@ -206,6 +209,12 @@ pub(super) fn create_device(
     }
     if info.ray_query {
         extensions.extend(ray_query::EXTENSIONS.map(CStr::as_ptr));
+    }
+    // A driver that lacks parts of Vulkan has to be told that this is known.
+    // SAFETY: `physical` is of `instance`.
+    let offered = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
+    if offered.iter().any(|one| one.extension_name_as_c_str() == Ok(PORTABILITY_SUBSET)) {
+        extensions.push(PORTABILITY_SUBSET.as_ptr());
     }
     let mut features13 =
         vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);

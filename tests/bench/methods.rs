@@ -98,7 +98,7 @@ fn all_are_shown_at_equal_time() {
 #[test]
 fn bad_methods_are_one_line() {
     for (methods, says) in [
-        ("vpl", "vpl: must be vpls, paths, none, reference@N or all"),
+        ("vpl", "vpl: must be vpls, paths, tonna, none, reference@N or all"),
         ("vpls@T=0", "must be a whole number, 1 to 64"),
         ("vpls@x=1", "x"),
         ("reference@0", "at least 1"),

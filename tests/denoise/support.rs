@@ -201,6 +201,8 @@ impl<Kind: Denoiser> Bench<Kind> {
             surface: &self.surface,
             albedo: &self.normal,
             reprojected: &self.reprojected,
+            camera_moves: false,
+            light_is_wide: false,
         };
         self.denoiser.record(&mut frame, &inputs).unwrap();
         frame.submit().unwrap();

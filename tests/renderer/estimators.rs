@@ -150,7 +150,7 @@ fn a_toy_estimator_is_everywhere_without_another_edit() {
 
     // The menus of the panel offer these values, and clap lists them in the help.
     let offered: Vec<&str> = Indirect::value_variants().iter().map(|value| value.name()).collect();
-    assert_eq!(offered, ["vpls", "paths", "none", "ambient", "broken"]);
+    assert_eq!(offered, ["vpls", "paths", "tonna", "none", "ambient", "broken"]);
 
     // A scene file names it; its picture, its report and its view are there.
     fs::write(

@@ -25,6 +25,7 @@ mod normal_maps;
 mod overlay;
 mod paths;
 mod pictures;
+mod presets;
 mod reference;
 mod reflections;
 mod rooms;

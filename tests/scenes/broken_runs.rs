@@ -170,3 +170,24 @@ fn textures_beyond_what_devices_hold_are_shrunk_and_named() {
     let named = |warning: &String| warning.contains("t.png is 20000 x 2 texels, shrunk to 10000 x 1");
     assert!(scene.warnings.iter().any(named), "{:?}", scene.warnings);
 }
+
+/// A disk that is full from the first byte on stands for any.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_and_a_closed_pipe_end_the_program_quietly() {
+    let page = |output: std::process::Stdio| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_glowworm"));
+        let run =
+            command.args(["info", "--options"]).stdout(output).stderr(std::process::Stdio::piped()).spawn();
+        let output = run.unwrap().wait_with_output().unwrap();
+        (output.status.code(), stderr(&output))
+    };
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let (code, message) = page(full.into());
+    assert_eq!((code, message.lines().count()), (Some(1), 1), "{message}");
+    assert!(message.starts_with("glowworm: error: standard output: "), "{message}");
+    // Whoever has read enough is no failure.
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    assert_eq!(page(writer.into()), (Some(0), String::new()));
+}

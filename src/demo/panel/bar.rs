@@ -4,16 +4,20 @@ use clap::ValueEnum;
 use egui::{ComboBox, Label, RichText, Ui};
 
 use super::scene::short;
-use super::settings::{name_of, presets};
+use super::settings::name_of;
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::session::Session;
 use crate::demo::split::RightSide;
 use crate::estimators;
-use crate::settings::{Direct, Indirect, Settings};
+use crate::settings::{Direct, Indirect, Preset, Settings};
 
-/// Presets that are in the bar, the first ones.
-const QUALITIES: usize = 3;
+/// Presets that are in the bar, with tooltips.
+const QUALITIES: [(Preset, &str); 3] = [
+    (Preset::Draft, "Few VPLs, one bounce: for slow devices."),
+    (Preset::Default, "The defaults."),
+    (Preset::Fine, "Many VPLs, four bounces, a large budget: for fast devices."),
+];
 
 /// Size of a scene's picture in the menu, and width of the menu, points.
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
@@ -39,9 +43,10 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
         methods(ui, &mut settings, places);
         axes(ui, &mut settings, places);
         ui.separator();
-        for (name, what, preset) in presets(&session.settings).into_iter().take(QUALITIES) {
-            let label = ui.selectable_label(preset == session.settings, name).on_hover_text(what);
-            place(ui, places, name, &label);
+        for (preset, what) in QUALITIES {
+            let (name, preset) = (name_of(&preset), session.settings.with_preset(preset));
+            let label = ui.selectable_label(preset == session.settings, &name).on_hover_text(what);
+            place(ui, places, &name, &label);
             if label.clicked() {
                 settings = preset;
             }

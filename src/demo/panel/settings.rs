@@ -1,4 +1,4 @@
-//! All settings, with tooltips, reset buttons and presets. Rows, ranges and tooltips come from the settings' descriptors.
+//! All settings, with tooltips and reset buttons. Rows, ranges and tooltips come from the settings' descriptors.
 
 use clap::ValueEnum;
 use egui::{Align, ComboBox, DragValue, Layout, Response, Ui};
@@ -7,39 +7,11 @@ use toml::Value;
 use super::Shown;
 use crate::demo::action::Action;
 use crate::demo::resolution::{COARSEST, Resolution};
-use crate::settings::{GROUPS, Kind, MissingSets, Setting, Settings, VplSettings};
-
-/// Presets: name, tooltip, settings.
-pub(super) fn presets(now: &Settings) -> [(&'static str, &'static str, Settings); 4] {
-    let base = Settings { bounces: 2, vpl: VplSettings::default(), ..now.clone() };
-    let with = |bounces: u32, vpl: VplSettings| Settings { bounces, vpl, ..base.clone() };
-    [
-        (
-            "draft",
-            "Few VPLs, one bounce: for slow devices.",
-            with(1, VplSettings { slots: 128, budget: 32, ..base.vpl }),
-        ),
-        ("normal", "The defaults.", base.clone()),
-        (
-            "fine",
-            "Many VPLs, four bounces, a large budget: for fast devices.",
-            with(4, VplSettings { slots: 4096, budget: 512, clamp: 1600.0, ..base.vpl }),
-        ),
-        (
-            "as in the dissertation",
-            "512 VPLs in 16 sets, 4x4 interleaving; surfaces missing from a set stay dark (Tonna 2019).",
-            with(base.bounces, VplSettings { missing_sets: MissingSets::Dark, ..base.vpl }),
-        ),
-    ]
-}
+use crate::settings::{GROUPS, Kind, Setting, Settings};
 
 pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let Some(session) = shown.session else { return };
     let mut settings = session.settings.clone();
-    let [.., (name, what, dissertation)] = presets(&session.settings);
-    if ui.selectable_label(dissertation == settings, name).on_hover_text(what).clicked() {
-        settings = dissertation;
-    }
     let defaults = Settings::default();
     for group in GROUPS {
         ui.separator();
@@ -179,7 +151,7 @@ pub(super) fn name_of(value: &impl ValueEnum) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Direct, Indirect, Reflections};
+    use crate::settings::{Direct, Indirect, Preset, Reflections};
 
     #[test]
     fn settings_of_what_is_not_in_use_are_disabled() {
@@ -201,7 +173,7 @@ mod tests {
     #[test]
     fn rows_leave_settings_alone() {
         let context = egui::Context::default();
-        let [.., (_, _, mut settings)] = presets(&Settings { exposure: Some(1.5), ..Settings::default() });
+        let mut settings = Settings { exposure: Some(1.5), ..Settings::default() }.with_preset(Preset::Tonna);
         let before = settings.clone();
         for _ in 0..2 {
             let _ = context.run_ui(egui::RawInput::default(), |ui| {
@@ -210,12 +182,5 @@ mod tests {
             });
         }
         assert_eq!(settings, before);
-    }
-
-    #[test]
-    fn presets_can_be_used() {
-        for (name, _, preset) in presets(&Settings::default()) {
-            assert_eq!(preset.check(), Ok(()), "{name}");
-        }
     }
 }

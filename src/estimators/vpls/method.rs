@@ -21,7 +21,7 @@ pub const METHOD: Method = Method {
     ..Method::new(Indirect::VPLS, "VPLs", |context| Ok(Box::new(Vpls::new(context)?)))
 };
 
-const AXES: &[Axis] = &[
+pub(super) const AXES: &[Axis] = &[
     Axis {
         setting: "temporal_sets",
         short: Some("T"),
@@ -75,7 +75,7 @@ const PASSES: MethodPasses = MethodPasses {
     ],
 };
 
-const COUNTERS: [CounterInfo; 14] = [
+pub(super) const COUNTERS: [CounterInfo; 14] = [
     CounterInfo::new("vpls.slots"),
     CounterInfo::plotted("vpls.valid", "valid", [110, 200, 110]),
     CounterInfo::new("vpls.useful"),

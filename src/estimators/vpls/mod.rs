@@ -5,6 +5,7 @@
 //! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
 //! - `hit_light`: light at what reflection rays hit.
 //! - `clusters`: VPLs by neighbourhood, which texels sample; `staleness`: what has changed since each set was rendered.
+//! - `tonna`: the method as published, an estimator by itself, for comparison.
 //! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
 
 mod change;
@@ -22,6 +23,7 @@ mod scale;
 mod set_buffers;
 mod staleness;
 mod swept_bounds;
+mod tonna;
 mod view;
 mod vpl_buffer;
 mod vpl_light;
@@ -39,6 +41,7 @@ pub use manager::{
 };
 pub use method::METHOD;
 pub use path_lines::{path_legend, reason_colour};
+pub use tonna::METHOD as TONNA;
 pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, shows_a_set};
 
 use super::ray_counters::RayCounters;
@@ -55,7 +58,7 @@ use hit_light::HitLightPass;
 pub(crate) use indirect_shadows::samples;
 use passes::Passes;
 use path_lines::PathView;
-use scale::{geometry_bound, median_segment_length, power_of_two_near};
+use scale::{geometry_bound, irradiance_scale, median_segment_length};
 use set_buffers::RenderedSet;
 #[cfg(feature = "bench")]
 pub(crate) use set_buffers::set_step;
@@ -157,13 +160,6 @@ impl Vpls {
     fn geometry_bound(&self) -> f32 {
         geometry_bound(&self.settings.vpl, self.median_segment_length)
     }
-
-    /// The irradiance of all VPLs, spread over surfaces a typical distance apart. Scaled by the power of two that brings it
-    /// near 1, half floats neither overflow nor lose digits, whatever the scene's units.
-    fn irradiance_scale(&self) -> f32 {
-        let flux: f32 = self.frame_set.flux.iter().sum();
-        power_of_two_near(flux / (6.0 * self.median_segment_length * self.median_segment_length)).recip()
-    }
 }
 
 impl Estimator for Vpls {
@@ -219,7 +215,7 @@ impl Estimator for Vpls {
     }
 
     fn record(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
-        let irradiance_scale = self.irradiance_scale();
+        let irradiance_scale = irradiance_scale(&self.frame_set.flux, self.median_segment_length);
         let all = VplUniforms {
             geometry_bound: self.geometry_bound(),
             bounces: self.settings.bounces,
@@ -285,7 +281,8 @@ impl Estimator for Vpls {
         let offset = self.uploaded.as_ref().map_or([0; 2], |set| set.representative);
         SampledIrradiance {
             image: self.passes.indirect_shadows.output(),
-            scale: self.settings.vpl.temporal_sets as f32 / self.irradiance_scale(),
+            scale: self.settings.vpl.temporal_sets as f32
+                / irradiance_scale(&self.frame_set.flux, self.median_segment_length),
             step: sets.step(),
             offset,
         }

@@ -13,8 +13,14 @@ pub(super) fn geometry_bound(settings: &VplSettings, length: f32) -> f32 {
 }
 
 /// Powers of two scale without rounding. 1 for what is no positive number.
-pub(super) fn power_of_two_near(value: f32) -> f32 {
+fn power_of_two_near(value: f32) -> f32 {
     if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
+}
+
+/// By what images scale irradiance: the irradiance of all VPLs of these luminous fluxes, spread over surfaces a typical `length` apart,
+/// is brought near 1 by a power of two, so that half floats neither overflow nor lose digits, whatever the scene's units.
+pub(super) fn irradiance_scale(flux: &[f32], length: f32) -> f32 {
+    power_of_two_near(flux.iter().sum::<f32>() / (6.0 * length * length)).recip()
 }
 
 /// Median distance from a VPL to its parent VPL in the scene without animation: a length that, unlike the bounds, a

@@ -71,7 +71,7 @@ pub struct SetPush {
     pub size: [u32; 2],
     /// Pixels from one texel to the next.
     pub set_step: u32,
-    /// Instances of the scene.
+    /// Instances of the scene, and the world itself as the last.
     pub instance_count: u32,
     /// Sets in all.
     pub set_count: u32,
@@ -126,11 +126,12 @@ pub struct SetBuffers {
     size: [u32; 2],
     /// Pixels from one texel to the next: 1 or 2.
     step: u32,
-    /// For each set its [`SetParameters`], zero before it was first rendered, and where its camera saw all instances:
+    /// For each set its [`SetParameters`], zero before it was first rendered, and where its camera saw all instances, then the world:
     /// [`SetView::rows`].
     views: Buffer,
     /// Luminous flux of each set, none before it was first rendered.
     flux: Vec<Option<f32>>,
+    /// With the world itself.
     instances: usize,
 }
 
@@ -148,8 +149,27 @@ impl SetBuffers {
         settings: &VplSettings,
         instances: usize,
     ) -> Result<Self, VulkanError> {
-        let (sets, step) = (settings.temporal_sets, set_step(settings));
+        Self::with_step(device, size, (settings.temporal_sets, set_step(settings)), instances)
+    }
+
+    /// The same with a texel for each pixel.
+    pub fn of_full_resolution(
+        device: &Arc<Device>,
+        size: [u32; 2],
+        settings: &VplSettings,
+        instances: usize,
+    ) -> Result<Self, VulkanError> {
+        Self::with_step(device, size, (settings.temporal_sets, 1), instances)
+    }
+
+    fn with_step(
+        device: &Arc<Device>,
+        size: [u32; 2],
+        (sets, step): (u32, u32),
+        instances: usize,
+    ) -> Result<Self, VulkanError> {
         let format = vk::Format::R16G16B16A16_UINT;
+        let instances = instances + 1;
         let texels = sets as usize * (1 + 3 * instances);
         Ok(Self {
             buffers: storage_image_array(
@@ -224,7 +244,8 @@ impl SetBuffers {
             offset_and_layer: x | y << 1 | rendered_layer << 2,
         };
         self.flux[rendered.set as usize] = Some(rendered.flux);
-        let rows = pose.instances.iter().flat_map(|instance| view.rows(instance));
+        let all = pose.instances.iter().chain([&Affine3A::IDENTITY]);
+        let rows = all.flat_map(|instance| view.rows(instance));
         let texels: Vec<Vec4> = std::iter::once(bytemuck::cast(parameters)).chain(rows).collect();
         let upload = frame.upload(&texels)?;
         frame.copy(&upload, &self.views, rendered.set as u64 * size_of_val(texels.as_slice()) as u64);

@@ -1,4 +1,4 @@
-//! Renders a still picture of a built-in scene by the library: `cargo run --release --example render`.
+//! Renders a still picture of a built-in scene without a window: `cargo run --release --example offscreen`.
 
 use std::error::Error;
 use std::path::Path;
