@@ -231,7 +231,16 @@ fn passes_are_listed_without_a_device() {
         listed.iter().filter(|line| line[1..] == [method]).map(|line| line[0]).collect::<Vec<_>>()
     };
     assert_eq!(of("vpls").len(), 12);
-    let paths = ["paths_trace", "sspsf", "cells_insert", "cells_resolve", "cells_read", "paths_light_hits"];
+    let paths = [
+        "paths_trace",
+        "paths_continue",
+        "sspsf",
+        "cells_insert",
+        "cells_resolve",
+        "cells_read",
+        "cells_light_hits",
+        "paths_light_hits",
+    ];
     assert_eq!(of("paths"), paths);
     assert_eq!(of("tonna").len(), 8);
     assert_eq!(of("shared").len() + of("vpls").len(), PASS_NAMES.len());
