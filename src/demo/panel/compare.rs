@@ -50,22 +50,7 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: 
             "{} at {width}x{height}, frames that are not presented, one after the other.",
             session.live_scene.name
         ));
-        if comparison.is_running() {
-            progress(ui, comparison);
-        } else {
-            result(ui, session, &comparison.rows, places, actions);
-            for (name, what, text) in [
-                ("T =", "Numbers of temporal sets", &mut compare.sets),
-                ("methods", "Such as vpls,paths,paths@denoise=bmfr,none,reference@1", &mut compare.methods),
-            ] {
-                ui.horizontal(|ui| {
-                    ui.label(name);
-                    let field = ui.add(TextEdit::singleline(text).desired_width(330.0)).on_hover_text(what);
-                    place(ui, places, &format!("compare {name}"), &field);
-                    keep_keyboard(ui, &field);
-                });
-            }
-        }
+        // Above all that may be taller than the window.
         let wanted = compare.wanted(&session.settings);
         ui.horizontal(|ui| {
             let mut button = |name: &str, is_on: bool, action: Action| {
@@ -84,6 +69,22 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: 
         });
         if let Err(error) = wanted {
             ui.colored_label(ui.visuals().error_fg_color, error);
+        }
+        if comparison.is_running() {
+            progress(ui, comparison);
+        } else {
+            result(ui, session, &comparison.rows, places, actions);
+            for (name, what, text) in [
+                ("T =", "Numbers of temporal sets", &mut compare.sets),
+                ("methods", "Such as vpls,paths,paths@denoise=bmfr,none,reference@1", &mut compare.methods),
+            ] {
+                ui.horizontal(|ui| {
+                    ui.label(name);
+                    let field = ui.add(TextEdit::singleline(text).desired_width(330.0)).on_hover_text(what);
+                    place(ui, places, &format!("compare {name}"), &field);
+                    keep_keyboard(ui, &field);
+                });
+            }
         }
     });
 }
