@@ -43,6 +43,8 @@ const SUM_WORDS: u64 = 8;
 /// Frames that the mean of a cell is of while lights or objects change, and for how many frames afterwards.
 const CHANGING_WINDOW: u32 = 2;
 const CHANGING_FRAMES: u32 = 8;
+/// Frames after a change in which a mean is of the newest frame alone, so that light that went from cell to cell is gone.
+const FLUSHING_FRAMES: u32 = 4;
 
 /// Of the window by each frame, where light of further bounces takes frames to arrive: a mean of all frames since would hold the dark
 /// first ones too long, as it then nears the light of all bounces by a power of the frames of only 1 less the albedo.
@@ -144,8 +146,8 @@ struct LitBy {
 }
 
 impl LitBy {
-    /// Whether light changes or did so a few frames ago.
-    fn changes(&mut self, pose: &Pose) -> bool {
+    /// The most frames that a mean may be of, where light changes or did so a few frames ago.
+    fn window(&mut self, pose: &Pose) -> Option<u32> {
         let is_same = self.lights == pose.lights
             && self.environment == pose.environment
             && self.instances == pose.instances;
@@ -161,7 +163,11 @@ impl LitBy {
             Some(_) => 0,
         };
         self.since = Some(since);
-        since < CHANGING_FRAMES
+        match since {
+            1..=FLUSHING_FRAMES => Some(1),
+            0..CHANGING_FRAMES => Some(CHANGING_WINDOW),
+            _ => None,
+        }
     }
 }
 
@@ -215,7 +221,7 @@ impl CellFilter {
         view: &str,
     ) -> Result<(), VulkanError> {
         let Some(pass) = &self.view else { return Ok(()) };
-        pass.record(frame, inputs, (&self.map, self.push(inputs, false)), display, view)
+        pass.record(frame, inputs, (&self.map, self.push(inputs, None)), display, view)
     }
 
     pub(super) fn light_hits(
@@ -230,7 +236,7 @@ impl CellFilter {
             .read("hit_place", hits.place)
             .write("hit_weight", hits.weight)
             .write("reflection", hits.reflection)
-            .push(&self.push(inputs, false))
+            .push(&self.push(inputs, None))
             .dispatch_over(hits.reflection.extent())
     }
 
@@ -238,8 +244,7 @@ impl CellFilter {
         &self.filtered
     }
 
-    fn push(&self, inputs: &FrameInputs<'_>, is_changing: bool) -> CellPush {
-        let CellSettings { window, .. } = self.settings;
+    fn push(&self, inputs: &FrameInputs<'_>, window: Option<u32>) -> CellPush {
         CellPush {
             spread: self.settings.width * pixel_spread(inputs, self.filtered.extent()),
             widening: self.settings.widening,
@@ -250,7 +255,7 @@ impl CellFilter {
             probes: self.settings.probes,
             levels: self.settings.levels,
             samples: self.samples,
-            window: if is_changing { CHANGING_WINDOW } else { window },
+            window: window.unwrap_or(self.settings.window),
             growth: self.growth,
             life: self.settings.life,
             view: 0,
@@ -264,8 +269,8 @@ impl CellFilter {
         filter: &FilterInputs<'_>,
     ) -> Result<(), VulkanError> {
         self.map.clear_once(frame);
-        let is_changing = self.lit_by.changes(inputs.pose);
-        let push = self.push(inputs, is_changing);
+        let window = self.lit_by.window(inputs.pose);
+        let push = self.push(inputs, window);
         let extent = self.filtered.extent();
         let pass = inputs.bind(frame.pass("cells_insert", &self.insert));
         self.map
