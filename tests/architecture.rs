@@ -184,7 +184,6 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "demo",
         &[
-            "bench",
             "builtin",
             "bvh",
             "estimators",

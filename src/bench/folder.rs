@@ -81,11 +81,7 @@ impl Folder {
     }
 
     /// Writes a complete report in all formats and removes the unfinished one.
-    ///
-    /// # Errors
-    /// If something cannot be written.
-    pub fn write(&self, report: &Report) -> Result<(), BenchError> {
-        make_folder(&self.path)?;
+    pub(super) fn write(&self, report: &Report) -> Result<(), BenchError> {
         let pictures = self.path.join(PICTURES);
         make_folder(&pictures)?;
         for entry in &report.pictures {

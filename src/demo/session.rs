@@ -48,9 +48,8 @@ pub(super) struct Session {
     pub selected: Option<Selected>,
     /// The light attached to the camera.
     pub headlamp: Option<usize>,
-    /// Counts edits, and those that the last saved file has.
-    pub edits: u64,
-    pub saved_edits: u64,
+    /// Whether there are unsaved edits.
+    pub edited: bool,
     pub undo: Undo,
     /// The file that holds what is shown.
     pub saved: Option<Saved>,
@@ -69,7 +68,7 @@ pub(super) struct Saved {
 impl Saved {
     /// Whether there were neither edits since then nor another camera.
     pub fn is_current(&self, session: &Session) -> bool {
-        !session.is_edited() && self.camera == session.pose.camera
+        !session.edited && self.camera == session.pose.camera
     }
 }
 
@@ -102,8 +101,7 @@ impl Session {
             radius: 0.5 * low.distance(high),
             selected: None,
             headlamp: None,
-            edits: 0,
-            saved_edits: 0,
+            edited: false,
             undo: Undo::default(),
             saved: None,
             pose,
@@ -126,28 +124,15 @@ impl Session {
 
     /// The current state, which can be taken back.
     pub fn state(&self) -> State {
-        State {
-            document: self.document.clone(),
-            settings: self.settings.clone(),
-            headlamp: self.headlamp,
-            selected: self.selected,
-        }
-    }
-
-    /// Whether there are unsaved edits.
-    pub fn is_edited(&self) -> bool {
-        self.edits != self.saved_edits
+        State { document: self.document.clone(), settings: self.settings.clone(), headlamp: self.headlamp }
     }
 
     /// Goes to a state that was before or after the current one, but for its settings.
     pub fn go_to(&mut self, state: &State) -> Result<Change, SceneError> {
         self.document = state.document.clone();
         self.headlamp = state.headlamp;
-        self.selected = state.selected.or(self.selected).filter(|selected| match *selected {
-            Selected::Light(index) => index < self.document.lights().len(),
-            Selected::Instance(index) => index < self.document.instances().len(),
-        });
-        self.edits += 1;
+        self.selected = None;
+        self.edited = true;
         self.apply()
     }
 
@@ -186,13 +171,9 @@ impl Session {
         document
     }
 
-    /// Poses the world at animation time `time`, seen by `camera`.
-    pub fn go_to_time(&mut self, time: f64, camera: Camera) {
+    /// Renders the next frame at animation time `time` with `camera`; `pace`: of automatic exposure.
+    pub fn render(&mut self, time: f64, camera: Camera, pace: f32) -> Result<(), RenderError> {
         self.pose = self.pose_at(time, camera);
-    }
-
-    /// Renders the next frame; `pace`: of automatic exposure.
-    pub fn render(&mut self, pace: f32) -> Result<(), RenderError> {
         self.renderer.set_exposure_pace(pace);
         self.renderer.render(&self.pose)?;
         if let Some(report) = self.renderer.take_reports().pop() {
@@ -224,7 +205,7 @@ impl Session {
         let before = self.document.clone();
         let change = edit(&mut self.document).and_then(|()| self.apply());
         match change {
-            Ok(_) => self.edits += 1,
+            Ok(_) => self.edited = true,
             Err(_) => self.document = before,
         }
         change
@@ -280,6 +261,16 @@ impl Session {
         }
         document.set_settings(self.settings.differing());
         document
+    }
+
+    /// The entry whose surface is at a position of the picture.
+    pub fn selected_at(&self, at: Vec2) -> Option<Selected> {
+        let instance = self.pick(at)?.instance;
+        if instance < self.document.instances().len() {
+            return Some(Selected::Instance(instance));
+        }
+        let mut lights = 0..self.document.lights().len();
+        lights.find(|&light| self.document.light_instance(light) == Some(instance)).map(Selected::Light)
     }
 
     /// The name of an entry, to be read.

@@ -46,8 +46,6 @@ fn each_method_is_one_run_with_what_it_states() {
         .collect();
     let stated = METHODS.map(|name| match name {
         _ if name.contains("T=1") => (name, 1, 64),
-        // Its settings are not those of VPLs.
-        "none" => (name, 16, 512),
         _ => (name, 4, 32),
     });
     assert_eq!(runs, stated);

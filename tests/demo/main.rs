@@ -5,7 +5,6 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-mod compare;
 mod drop;
 mod edits;
 mod log;
