@@ -44,11 +44,7 @@ fn each_method_is_one_run_with_what_it_states() {
         .iter()
         .map(|run| (run.method.name(), run.settings.vpl.temporal_sets, run.settings.vpl.slots))
         .collect();
-    let stated = METHODS.map(|name| match name {
-        _ if name.contains("T=1") => (name, 1, 64),
-        _ => (name, 4, 32),
-    });
-    assert_eq!(runs, stated);
+    assert_eq!(runs, METHODS.map(|name| if name.contains("T=1") { (name, 1, 64) } else { (name, 4, 32) }));
     let times = &tables(&report)[0];
     assert_eq!(times.columns[1..], METHODS);
 }
