@@ -14,30 +14,10 @@ import time
 from pathlib import Path
 
 import gpu_report_page
+from reproduce_scenes import FLIGHT
 
-# The camera flies along the court and looks aside; the scene is made by code, so a binary is enough.
-MOVING = """name = "atrium-flight"
-background = [0.75, 1.2, 2.1]
-[[models]]
-name = "atrium"
-builtin = "atrium"
-[[instances]]
-model = "atrium"
-[camera]
-eye = [-9.6, 2.1, 1.5]
-target = [2.0, 3.9, -0.9]
-vfov_deg = 62
-[camera.animation]
-keyframes = [{ time = 0 }, { time = 4, translation = [8, 0.5, -1], rotation = [0, 40, 0] }]
-[[lights]]
-name = "sun"
-type = "spot"
-position = [-24, 46, 16]
-direction = [25.5, -46, -17.5]
-intensity = [28000, 24700, 19800]
-inner_deg = 13
-outer_deg = 14
-"""
+# Made by code, so a binary is enough.
+MOVING = FLIGHT.replace("SECONDS", "4")
 
 PATHS = "--indirect paths --direct paths"
 METHODS = {
@@ -49,6 +29,7 @@ METHODS = {
     "paths, sspsf": PATHS + " --filter sspsf",
     "paths, hpsf": PATHS + " --filter hpsf",
     "paths, nhpsf": PATHS + " --filter nhpsf",
+    "paths, a-nhpsf": PATHS + " --filter a-nhpsf",
     "paths, cache": PATHS + " --filter cache",
     "none": "--indirect none",
     "preset tonna": "--preset tonna",
