@@ -167,7 +167,7 @@ pub trait Estimator: Any + Send {
         Ok(None)
     }
 
-    /// Draws one of the method's views over the picture.
+    /// Draws one of the method's views over a black picture.
     ///
     /// # Errors
     /// Where the device fails.

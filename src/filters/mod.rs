@@ -151,7 +151,7 @@ impl Filter {
         }
     }
 
-    /// Writes one of [`VIEWS`] over `display`; black where there are no cells.
+    /// Writes one of [`VIEWS`] over `display`, where there are cells.
     ///
     /// # Errors
     /// Where the device fails.
@@ -163,10 +163,7 @@ impl Filter {
         view: &str,
     ) -> Result<(), VulkanError> {
         match self {
-            Self::Window(_) => {
-                frame.clear_image(display, [0.0, 0.0, 0.0, 1.0]);
-                Ok(())
-            }
+            Self::Window(_) => Ok(()),
             Self::Cells(cells) => cells.draw_view(frame, inputs, display, view),
         }
     }

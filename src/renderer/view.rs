@@ -66,6 +66,8 @@ impl ViewPasses {
                 pass.record(frame, inputs.uniforms, shown.effect, exposure, display)?;
             }
             (None, _) => {
+                // Views of methods and filters that are not in use stay so.
+                frame.clear_image(display, [0.0, 0.0, 0.0, 1.0]);
                 estimator.draw_view(frame, &ViewInputs { frame: inputs, exposure, display }, &view.buffer)?;
             }
             (Some(_), None) => {}

@@ -132,11 +132,11 @@ fn each_view_shows_something_of_its_own(demo: &mut Demo<'_>) {
     assert!(depth.pixels.iter().filter(|[r, g, b]| r == g && g == b).count() > depth.pixels.len() * 9 / 10);
     let albedo = seen[9].pixels[(148 * seen[9].width + 15) as usize];
     assert!(albedo[0] > albedo[1] + 60, "{albedo:?}");
-    // Effects are not in use, so their views show nothing.
-    for view in 0..10 {
+    // Paths and effects are not in use, so their views show nothing.
+    for view in 0..17 {
         demo.key_for("v", "step-buffer");
         let black: f64 = demo.screen().picture().mean().iter().sum();
-        assert!(black < 1.0, "view {view} of the effects is not black");
+        assert!(black < 1.0, "view {view} of paths and effects is not black");
     }
     demo.key_for("v", "step-buffer");
     // Another view begins a new mean of still frames.

@@ -257,11 +257,11 @@ impl Estimator for Paths {
     ) -> Result<(), VulkanError> {
         let ViewInputs { frame: shown, exposure, display } = *inputs;
         match (&self.filter, &self.raw_view) {
-            (Some(filter), _) if view != filters::RAW => filter.draw_view(frame, shown, display, view),
-            (_, Some(pass)) => {
-                let raw = (view == filters::RAW).then_some((&self.irradiance, Visualization::Irradiance));
+            (_, Some(pass)) if view == filters::RAW => {
+                let raw = Some((&self.irradiance, Visualization::Irradiance));
                 pass.record(frame, shown.uniforms, raw, exposure, display)
             }
+            (Some(filter), _) => filter.draw_view(frame, shown, display, view),
             _ => Ok(()),
         }
     }
