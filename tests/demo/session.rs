@@ -188,6 +188,10 @@ fn a_preset_takes_effect(demo: &mut Demo<'_>) {
     demo.wait_after(seen, "settings", |event| is_action(event, "set"));
     demo.wait_after(seen, "128 VPLs", |event| event["measured"]["vpls"]["slots"] == 128);
     demo.screen().keep("7-settings");
+    // A preset is of all settings, also of how long a picture takes to freeze.
+    let seen = demo.now();
+    demo.key_for("ctrl+z", "undo");
+    demo.wait_after(seen, "64 VPLs", |event| event["measured"]["vpls"]["slots"] == 64);
 }
 
 fn sizes_and_hiding(demo: &mut Demo<'_>) {
