@@ -8,6 +8,7 @@ use clap::error::ContextKind;
 #[cfg(feature = "bench")]
 use crate::bench::BenchError;
 use crate::dataset::DatasetError;
+#[cfg(feature = "export")]
 use crate::export::ExportError;
 use crate::formats::SceneError;
 use crate::metrics::MetricsError;
@@ -51,6 +52,7 @@ pub enum CliError {
     Reference(#[from] ReferenceError),
     /// The scene cannot be exported.
     #[error(transparent)]
+    #[cfg(feature = "export")]
     Export(#[from] ExportError),
     /// A data set cannot be written or read.
     #[error(transparent)]
@@ -152,11 +154,12 @@ impl CliError {
             Self::Metrics(error) => error.is_usage(),
             #[cfg(feature = "bench")]
             Self::Bench(_) => false,
+            #[cfg(feature = "export")]
+            Self::Export(_) => false,
             Self::Scene(_)
             | Self::Vulkan(_)
             | Self::Render(_)
             | Self::Reference(_)
-            | Self::Export(_)
             | Self::Dataset(_)
             | Self::Window(_)
             | Self::Resume { .. }
