@@ -184,6 +184,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "demo",
         &[
+            "bench",
             "builtin",
             "bvh",
             "estimators",

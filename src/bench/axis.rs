@@ -2,6 +2,7 @@
 
 use super::run::Run;
 use crate::estimators;
+use crate::settings::Settings;
 
 /// Bounces of a light path, which all methods share.
 const BOUNCES: estimators::Axis = estimators::Axis {
@@ -51,6 +52,15 @@ impl Axis {
             !own.iter().any(|axis| axis.setting == key) && estimators::axes().any(|axis| axis.setting == key)
         };
         Self::all().into_iter().filter(move |axis| !others(axis.key()))
+    }
+
+    /// Whether it means anything to the estimator that `settings` name, if they name one.
+    pub fn concerns(self, settings: &toml::Table) -> bool {
+        let Self::Number(axis) = self else { return true };
+        let named = Settings::from_table(settings).ok().filter(|_| settings.contains_key("indirect"));
+        let is_of = |method: &estimators::Method| method.axes.iter().any(|own| own.setting == axis.setting);
+        named
+            .is_none_or(|named| is_of(estimators::method(&named)) || !estimators::methods().iter().any(is_of))
     }
 
     /// The first axis of the method of a run, if it has any: what tables name where nothing varies.

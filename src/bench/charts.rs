@@ -99,9 +99,22 @@ fn line(row: &GridRow<'_>, axis: Axis, value: &dyn Fn(&Run) -> Option<f64>) -> L
     Line { name: row.label.clone(), points, look: Look::Marked }
 }
 
+/// The same with the confidence intervals of the frame time.
+fn certain_line(row: &GridRow<'_>, axis: Axis, noise: &Noise) -> Line {
+    let figure = |run: &Run| Summary::of(run, noise)?.figure(TOTAL).copied();
+    let end = |end: usize| {
+        line(row, axis, &|run| {
+            figure(run).map(|known| known.interval.map_or(known.spread.median, |it| it[end]))
+        })
+    };
+    let (low, high) = (end(0).points, end(1).points);
+    let intervals = low.into_iter().zip(high).map(|((_, low), (_, high))| [low, high]).collect();
+    let medians = line(row, axis, &|run| figure(run).map(|figure| figure.spread.median));
+    Line { look: Look::Intervals(intervals), ..medians }
+}
+
 fn frame_times(grid: &Grid<'_>, noise: &Noise) -> Chart {
-    let time = |run: &Run| Some(Summary::of(run, noise)?.median(TOTAL));
-    let lines = grid.rows.iter().take(MOST_LINES).map(|row| line(row, grid.axis, &time)).collect();
+    let lines = grid.rows.iter().take(MOST_LINES).map(|row| certain_line(row, grid.axis, noise)).collect();
     let title = format!("Frame time by {}", grid.axis.label());
     let panel = Panel { title: String::new(), y: logarithmic("median frame time, ms"), lines };
     let curves =
@@ -272,7 +285,10 @@ fn pareto_chart(
         Panel {
             title: scene.name.clone(),
             y: plot::Axis {
-                label: "FLIP error against the path tracer".to_owned(),
+                label: format!(
+                    "FLIP error against the {}",
+                    if report.plan.spp == 0 { "first run" } else { "path tracer" }
+                ),
                 scale: Scale::FromZero,
                 ticks: Vec::new(),
             },

@@ -45,7 +45,8 @@ impl Bench {
     /// Whether a scene's methods are to be compared at equal time: where there are several.
     pub(super) fn wants_equal_time(&self, scene: &str) -> bool {
         let done = self.report.equal_time.iter().any(|equal| equal.scene == scene);
-        self.report.plan.quality && self.report.plan.sweep.methods.len() > 1 && !done
+        let plan = &self.report.plan;
+        plan.quality && plan.spp > 0 && plan.sweep.methods.len() > 1 && !done
     }
 
     /// Renders every method so that its frames take as long as those of the first one.
@@ -93,7 +94,7 @@ impl Bench {
             all.push(equal);
         }
         self.report.equal_time.extend(all);
-        self.folder.keep(&self.report)
+        self.keep()
     }
 }
 

@@ -81,7 +81,11 @@ impl Folder {
     }
 
     /// Writes a complete report in all formats and removes the unfinished one.
-    pub(super) fn write(&self, report: &Report) -> Result<(), BenchError> {
+    ///
+    /// # Errors
+    /// If something cannot be written.
+    pub fn write(&self, report: &Report) -> Result<(), BenchError> {
+        make_folder(&self.path)?;
         let pictures = self.path.join(PICTURES);
         make_folder(&pictures)?;
         for entry in &report.pictures {

@@ -6,11 +6,13 @@
 //! - `plan`: scenes, methods, settings, frames; `axis`: what differs between runs; `method`: what lights the pictures; `run`,
 //!   `samples`: what was measured; `source`: measures it; `quality`, `equal_time`, `pictures`.
 //! - `report`: the report; `summary`: statistics; `against`: changes since an earlier report.
+//! - `background`: the same beside a program that goes on drawing.
 //! - [`micro`]: micro-benchmarks of tracers, BVH and passes, with a report of their own.
 //! - `tables`, `charts`: the report as tables and plots; `csv`, `markdown`, `html`, `folder`: as files.
 
 mod against;
 mod axis;
+mod background;
 mod charts;
 mod control;
 mod csv;
@@ -33,6 +35,7 @@ mod tables;
 
 pub use against::{Change, Comparison, compare_reports};
 pub use axis::Axis;
+pub use background::BackgroundBench;
 pub use control::Control;
 pub use folder::{Folder, MICRO_FILE, REPORT_FILE, read_report};
 pub use machine::Machine;
@@ -54,6 +57,7 @@ use crate::output::{OutputError, Picture};
 use crate::reference::ReferenceError;
 use crate::renderer::RenderError;
 use crate::report::LoadTimes;
+use crate::scene::Scene;
 use crate::settings::SettingsError;
 use crate::vulkan::Device;
 use control::{work_of_frame, work_of_sample};
@@ -118,9 +122,27 @@ pub enum BenchError {
 /// A benchmark in progress.
 pub struct Bench {
     device: Arc<Device>,
-    assets: Option<PathBuf>,
-    folder: Folder,
+    source: SceneSource,
+    /// None: nothing is kept on disk, and no pictures are taken for it.
+    folder: Option<Folder>,
     report: Report,
+}
+
+/// Where the scenes of a benchmark come from.
+enum SceneSource {
+    /// By name or file, with the folder of the downloaded models.
+    Named(Option<PathBuf>),
+    /// The only scene.
+    Open(Box<Scene>),
+}
+
+impl SceneSource {
+    fn load(&self, name: &str) -> Result<Scene, SceneError> {
+        match self {
+            Self::Named(assets) => load_scene(name, assets.as_deref()),
+            Self::Open(scene) => Ok(Scene::clone(scene)),
+        }
+    }
 }
 
 impl Bench {
@@ -134,9 +156,26 @@ impl Bench {
         folder: Folder,
         assets: Option<PathBuf>,
     ) -> Result<Self, BenchError> {
+        Self::planned(device, plan, SceneSource::Named(assets), Some(folder))
+    }
+
+    /// Measures `scene`, the only one of the plan, and keeps nothing on disk.
+    ///
+    /// # Errors
+    /// If a setting is invalid.
+    pub fn of_scene(device: &Arc<Device>, plan: Plan, scene: Scene) -> Result<Self, BenchError> {
+        Self::planned(device, plan, SceneSource::Open(Box::new(scene)), None)
+    }
+
+    fn planned(
+        device: &Arc<Device>,
+        plan: Plan,
+        source: SceneSource,
+        folder: Option<Folder>,
+    ) -> Result<Self, BenchError> {
         let (mut scenes, mut runs) = (Vec::<SceneFacts>::new(), Vec::new());
         for name in &plan.scenes {
-            let scene = load_scene(name, assets.as_deref())?;
+            let scene = source.load(name)?;
             if scenes.iter().any(|known| known.name == scene.name) {
                 return Err(BenchError::SceneTwice(scene.name));
             }
@@ -154,7 +193,7 @@ impl Bench {
             }));
         }
         let report = Report::new(Machine::new(device.info()), plan, scenes, runs);
-        Ok(Self { device: Arc::clone(device), assets, folder, report })
+        Ok(Self { device: Arc::clone(device), source, folder, report })
     }
 
     /// Resumes an earlier run of the same plan in the folder; false if there is none.
@@ -162,7 +201,8 @@ impl Bench {
     /// # Errors
     /// If its plan differs, or if it is unfinished and from another machine or version.
     pub fn resume(&mut self) -> Result<bool, BenchError> {
-        let Some((path, earlier)) = self.folder.earlier()? else { return Ok(false) };
+        let Some(folder) = &self.folder else { return Ok(false) };
+        let Some((path, earlier)) = folder.earlier()? else { return Ok(false) };
         let cannot = |reason: String| Err(BenchError::Report { path: path.clone(), reason });
         let anew = "omit --resume to start over";
         if let Some(option) = earlier.plan.difference(&self.report.plan) {
@@ -240,7 +280,7 @@ impl Bench {
             }
             control.begin(format!("loading {name}"));
             let begun = Instant::now();
-            let loaded = load_scene(&self.report.plan.scenes[index], self.assets.as_deref())?;
+            let loaded = self.source.load(&self.report.plan.scenes[index])?;
             let load_ms = begun.elapsed().as_secs_f64() * 1e3;
             let scene = BenchScene::new(&self.device, loaded);
             self.report.scenes[index].load = Some(LoadTimes { load_ms, bvh_ms: scene.prepared.bvh_ms() });
@@ -274,7 +314,7 @@ impl Bench {
                 let what = axes.map(|axis| axis.phrase(run)).collect::<Vec<_>>().join(", ");
                 control.begin(format!("run {} of {planned}: {name}, {what}", done + 1));
                 self.measure(at, index, scene, references, control)?;
-                self.folder.keep(&self.report)?;
+                self.keep()?;
             }
         }
         Ok(())
@@ -315,6 +355,9 @@ impl Bench {
             }
         }
         if judged {
+            if self.report.plan.spp == 0 && !references.iter().any(|known| known.serves(&settings)) {
+                references.push(ReferencePictures::of_run(&settings, taken.clone()));
+            }
             let reference = ReferencePictures::of(references, scene, &settings, &self.report.plan, control)?;
             let (frames, (settling_frames, temporal_error)) = (reference.errors(&taken)?, stop);
             let still = quality::still(scene, &method, &settings, reference, control)?;
@@ -329,7 +372,12 @@ impl Bench {
     /// # Errors
     /// If something cannot be written.
     pub fn write(&self) -> Result<(), BenchError> {
-        self.folder.write(&self.report)
+        self.folder.as_ref().map_or(Ok(()), |folder| folder.write(&self.report))
+    }
+
+    /// Saves the unfinished report.
+    fn keep(&self) -> Result<(), BenchError> {
+        self.folder.as_ref().map_or(Ok(()), |folder| folder.keep(&self.report))
     }
 
     /// The report so far.

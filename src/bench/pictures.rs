@@ -19,7 +19,7 @@ impl Bench {
     pub(super) fn wants_ends(&self, at: usize) -> bool {
         let run = &self.report.runs[at];
         let shown = self.report.shown_run(&run.scene);
-        run.rounds.is_empty() && shown.is_some_and(|shown| shown.is_same(run))
+        self.folder.is_some() && run.rounds.is_empty() && shown.is_some_and(|shown| shown.is_same(run))
     }
 
     /// The run, whose pictures take the most frames, for missing pictures of a moving camera.
@@ -27,7 +27,7 @@ impl Bench {
         let taken = |kind: PictureKind| {
             self.report.pictures.iter().any(|picture| picture.scene == scene && picture.kind == kind)
         };
-        if PictureKind::ARTEFACTS.into_iter().all(taken) {
+        if self.folder.is_none() || PictureKind::ARTEFACTS.into_iter().all(taken) {
             return None;
         }
         let runs = || self.report.runs_of(scene).filter(|run| run.method.samples().is_none());
@@ -49,7 +49,7 @@ impl Bench {
             let picture = artefact(scene, &settings, kind, control)?;
             self.keep_picture(self.entry(index, kind, &settings), &picture)?;
         }
-        self.folder.keep(&self.report)
+        self.keep()
     }
 
     pub(super) fn entry(&self, scene: usize, kind: PictureKind, settings: &Settings) -> PictureEntry {
@@ -57,7 +57,8 @@ impl Bench {
     }
 
     pub(super) fn keep_picture(&mut self, entry: PictureEntry, picture: &Picture) -> Result<(), BenchError> {
-        self.folder.keep_picture(&entry, picture)?;
+        let Some(folder) = &self.folder else { return Ok(()) };
+        folder.keep_picture(&entry, picture)?;
         self.report.pictures.retain(|known| known.file != entry.file);
         self.report.pictures.push(entry);
         Ok(())

@@ -23,7 +23,7 @@ pub struct Plan {
     pub rounds: u32,
     /// Whether to compare pictures with the path tracer's.
     pub quality: bool,
-    /// Samples a pixel of the path tracer's pictures.
+    /// Samples a pixel of the path tracer's pictures; 0: the pictures of a scene's first run stand in for them.
     pub spp: u32,
     /// Settings with several values.
     pub sweep: Sweep,
@@ -62,7 +62,7 @@ impl Plan {
         Ok(combinations)
     }
 
-    /// Every combination of the swept settings, except of those that `fixed` states.
+    /// Every combination of the swept settings, except of those that `fixed` states or its estimator knows nothing of.
     fn combinations_of(
         &self,
         scene_settings: &toml::Table,
@@ -71,7 +71,8 @@ impl Plan {
         let mut own = self.settings.clone();
         own.extend(fixed.clone());
         let mut tables = vec![own];
-        for axis in Axis::all().into_iter().rev().filter(|axis| !fixed.contains_key(axis.key())) {
+        let is_swept = |axis: &Axis| !fixed.contains_key(axis.key()) && axis.concerns(fixed);
+        for axis in Axis::all().into_iter().rev().filter(is_swept) {
             let Some(values) = self.sweep.settings.get(axis.key()) else { continue };
             let with = |table: &Table| {
                 let of = |value: &Value| {
@@ -147,7 +148,7 @@ mod tests {
     fn a_method_is_measured_with_what_it_states() {
         let mut plan = plan();
         plan.sweep.methods =
-            ["vpls", "vpls@T=2@vpls=8", "reference@4"].map(|name| name.parse().unwrap()).into();
+            ["vpls", "vpls@T=2@vpls=8", "reference@4", "none"].map(|name| name.parse().unwrap()).into();
         let combinations = plan.combinations(&toml::Table::new()).unwrap();
         let of = |name: &str| {
             let found = combinations.iter().filter(|(method, _)| method.name() == name);
@@ -155,7 +156,7 @@ mod tests {
         };
         let all = [(16, 1), (16, 4), (64, 1), (64, 4)];
         assert_eq!((of("vpls"), of("vpls@T=2@vpls=8")), (all.into(), vec![(8, 2)]));
-        assert_eq!(of("reference@4").len(), 4);
+        assert_eq!((of("reference@4").len(), of("none").len()), (4, 1));
     }
 
     #[test]

@@ -51,6 +51,11 @@ impl ReferencePictures {
         Ok(&known[at.unwrap_or(known.len() - 1)])
     }
 
+    /// The selected pictures of a run with `settings` in their place.
+    pub fn of_run(settings: &Settings, frames: Vec<(u32, Picture)>) -> Self {
+        Self { settings: reference_settings(settings), frames }
+    }
+
     fn render(
         scene: &BenchScene,
         settings: &Settings,
@@ -71,7 +76,7 @@ impl ReferencePictures {
     }
 
     /// Whether they apply to runs with `settings`.
-    fn serves(&self, settings: &Settings) -> bool {
+    pub fn serves(&self, settings: &Settings) -> bool {
         self.settings == reference_settings(settings)
     }
 

@@ -174,7 +174,10 @@ fn heads<'a>(grid: &'a Grid<'_>) -> impl Iterator<Item = &'a str> {
 fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Table> {
     let one = undivided(grid).filter(|_| grid.columns.len() > 1)?;
     let ones: Vec<f64> = grid.rows.iter().filter_map(|row| undivided_ms(grid, row, noise)).collect();
-    let note = format!("Median frame time at {one} over that at each value.");
+    let note = format!(
+        "Median frame time at {one} over that at each value. Where --interleave is more than 1, several sets have half the \
+         resolution in each direction and one set has all of it: part of the speed-up comes from that."
+    );
     let cell = |run: &Run| {
         let row = grid.rows.iter().find(|row| row.runs.iter().flatten().any(|other| other.is_same(run)))?;
         Some(format!("{:.2}", undivided_ms(grid, row, noise)? / Summary::of(run, noise)?.median(TOTAL)))
@@ -277,14 +280,17 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
     let varied = row_axes(report);
     let Some(first) = report.runs.iter().find_map(|run| run.quality.as_ref()) else { return Vec::new() };
     let frames: Vec<String> = first.frames.iter().map(|frame| frame.frame.to_string()).collect();
-    let spp = report.plan.spp;
+    let against = match report.plan.spp {
+        0 => "the same pictures of each scene's first run".to_owned(),
+        spp => format!("the path tracer with {spp} samples a pixel and as many bounces"),
+    };
     let moving = |run: &Run| {
         let (quality, summary) = (run.quality.as_ref()?, Summary::of(run, noise)?);
         Some(vec![
             label(run, &varied),
             milliseconds(summary.median(TOTAL)),
             error(quality.mean(|frame| frame.flip)),
-            error(quality.mean(|frame| frame.ssim)),
+            similarity(quality.mean(|frame| frame.ssim)),
             quality.relative_error().map(percent).unwrap_or_default(),
             quality.settling_frames.to_string(),
             error(quality.temporal_error),
@@ -300,8 +306,7 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
         Table::new(
             "Quality in motion, and after it stops",
             format!(
-                "Means over frames {} of the animation, against the path tracer with {spp} samples a pixel and as many \
-                 bounces. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; relative error of luminance. Settling: frames until \
+                "Means over frames {} of the animation, against {against}. FLIP: 0 is best (HDR-FLIP); SSIM: 1 is best; relative error of luminance. Settling: frames until \
                  the picture is stationary after all motion stops; temporal error: mean change from frame to frame \
                  after that, W/m²/sr.",
                 frames.join(", ")
@@ -340,7 +345,7 @@ fn equal_time(report: &Report) -> Option<Table> {
 }
 
 fn errors(quality: &FrameQuality) -> [String; 3] {
-    [error(quality.flip), error(quality.ssim), quality.relative_error.map(percent).unwrap_or_default()]
+    [error(quality.flip), similarity(quality.ssim), quality.relative_error.map(percent).unwrap_or_default()]
 }
 
 /// Formats milliseconds.
@@ -348,10 +353,20 @@ pub fn milliseconds(value: f64) -> String {
     format!("{value:.3}")
 }
 
+/// Formats an error with two significant digits.
 fn error(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (1.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// Formats a similarity, whose difference to 1 matters.
+fn similarity(value: f64) -> String {
     format!("{value:.4}")
 }
 
 fn percent(share: f64) -> String {
-    format!("{:.1}", share * 100.0)
+    error(share * 100.0)
 }

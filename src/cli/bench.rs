@@ -75,9 +75,9 @@ pub(super) struct BenchOptions {
     /// Also compare pictures with the path tracer's of the same moments.
     #[arg(long)]
     pub quality: bool,
-    /// Samples a pixel of the path tracer's pictures for --quality. More: less noise counts as an error. Otherwise that of
-    /// --against, or 1024.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    /// Samples a pixel of the path tracer's pictures for --quality. More: less noise counts as an error. 0: compare with the first
+    /// run of each scene instead. Otherwise that of --against, or 1024.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 20))]
     pub spp: Option<u32>,
     /// Report what is faster, slower, better or worse than in this bench.json, and exit with 3 if anything is slower or worse.
     #[arg(long, value_name = "FILE", help_heading = "Files")]

@@ -123,6 +123,7 @@ impl ViewOptions {
             set: self.view_set,
             vpl_paths: self.vpl_paths,
             single_vpl: self.single_vpl,
+            ..VplDebugView::default()
         })
     }
 }

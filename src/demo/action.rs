@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use winit::keyboard::{KeyCode, ModifiersState};
 
+use super::compare::Wanted;
 use super::edit::NewObject;
 use super::session::Selected;
 use super::split::RightSide;
@@ -44,6 +45,12 @@ pub enum Action {
     GoToBookmark(usize),
     /// Enters or leaves full screen.
     ToggleFullscreen,
+    /// Measures frame rates against temporal sets, or closes the comparison.
+    ToggleCompare,
+    /// Measures these; none: closes the comparison.
+    Compare(Option<Wanted>),
+    /// Writes the report of the comparison.
+    SaveComparison,
     /// Sets the swapchain's present mode.
     SetPresentMode(PresentMode),
     /// Recreates the device and everything on it: the device of this index in `glowworm info`, or the same one.
@@ -64,6 +71,10 @@ pub enum Action {
     ToggleReference,
     /// Moves the divider, share of the width.
     MoveDivider(f32),
+    /// Shows the left side in the whole window, or the right one.
+    Flip,
+    /// Changes the exposure by stops; none: it becomes automatic again.
+    Expose(Option<f32>),
     /// Shows or hides the error of the left side.
     ToggleDifference,
     /// Sets the debug view.
@@ -156,6 +167,7 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("Space", "pause or resume the animation", KeyCode::Space, NONE, || Action::TogglePause),
     bind("Home", "reset the camera", KeyCode::Home, NONE, || Action::Home),
     bind("F2", "begin or end the tour", KeyCode::F2, NONE, || Action::ToggleTour),
+    bind("F3", "measure frame rate against temporal sets", KeyCode::F3, NONE, || Action::ToggleCompare),
     bind("F11", "toggle full screen", KeyCode::F11, NONE, || Action::ToggleFullscreen),
     bind("F12", "screenshot (PNG)", KeyCode::F12, NONE, || Action::Screenshot { exr: false }),
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),
@@ -166,6 +178,10 @@ pub(super) const BINDINGS: &[Binding] = &[
         Action::ToggleReference
     }),
     bind("X", "the error of the left side (FLIP)", KeyCode::KeyX, NONE, || Action::ToggleDifference),
+    bind("B", "flip between the left and the right side", KeyCode::KeyB, NONE, || Action::Flip),
+    bind("-", "darker by half a stop", KeyCode::Minus, NONE, || Action::Expose(Some(-0.5))),
+    bind("=", "brighter by half a stop", KeyCode::Equal, NONE, || Action::Expose(Some(0.5))),
+    bind("0", "automatic exposure", KeyCode::Digit0, NONE, || Action::Expose(None)),
     bind("V", "next buffer", KeyCode::KeyV, NONE, || Action::StepBuffer(1)),
     bind("Shift+V", "previous buffer", KeyCode::KeyV, SHIFT, || Action::StepBuffer(-1)),
     bind("P", "show or hide VPL paths", KeyCode::KeyP, NONE, || Action::TogglePaths),
@@ -200,6 +216,7 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("Q E", "fly down, up"),
     ("Shift", "fly four times as fast"),
     ("Wheel", "fly slower, faster"),
+    ("Ctrl+Wheel", "zoom out, in"),
     ("Click", "select an object or a light"),
     ("Left drag", "a handle: move or rotate the selection"),
     ("Right drag", "look around"),

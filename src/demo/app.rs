@@ -1,7 +1,7 @@
 //! The window's event loop.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, TryLockError};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
@@ -13,6 +13,7 @@ use winit::window::{Window, WindowId};
 
 use super::action::Action;
 use super::clock::{Clock, Pace};
+use super::compare::{Comparison, POLL};
 use super::flight::Flight;
 use super::gpu::Gpu;
 use super::handles::Mode;
@@ -34,6 +35,8 @@ use crate::renderer::DebugView;
 use crate::settings::Settings;
 use crate::vulkan::{Instance, Viewport};
 
+/// Time between frames while nothing changes.
+const CALM: Duration = Duration::from_millis(100);
 /// Poll interval while the window is hidden.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
 
@@ -53,11 +56,13 @@ pub(super) struct Open {
     pub session: Option<Session>,
     pub split: Option<Split>,
     pub tour: Option<Tour>,
+    pub comparison: Option<Comparison>,
     /// Whether the tour is to begin with the first scene.
     pub tour_waits: bool,
     pub loader: Loader,
     pub gpu: Gpu,
     pub window: Arc<Window>,
+    pub title: String,
     pub egui: egui_winit::State,
     pub panel: PanelState,
     /// The panel's widget rectangles as last logged.
@@ -79,6 +84,8 @@ pub(super) struct Open {
     /// Time of the last change of the viewport or the resolution.
     pub resized: Option<Instant>,
     pub hidden: bool,
+    /// Whether there was input since the last frame.
+    pub woken: bool,
     /// The debug view to restore after the device is recreated.
     pub saved_view: Option<DebugView>,
     /// Actions from events, for the next frame.
@@ -129,11 +136,13 @@ impl App {
             session: None,
             split: None,
             tour: None,
+            comparison: None,
             tour_waits: self.launch.tour,
             loader: Loader::new(&self.launch),
             egui: egui_winit::State::new(context, egui::ViewportId::ROOT, &window, scale, None, None),
             gpu,
             window,
+            title: String::new(),
             panel: PanelState::new(self.launch.tour, self.launch.is_first_start()),
             places: Places::default(),
             clock: Clock::new(pace),
@@ -149,6 +158,7 @@ impl App {
             last_viewport: Viewport::default(),
             resized: None,
             hidden: false,
+            woken: false,
             saved_view: None,
             actions: vec![Action::Open(self.launch.scene.clone())],
             closing: false,
@@ -178,8 +188,14 @@ impl App {
         events.exit();
     }
 
-    /// Draws the next frame; recreates the device if it was lost.
+    /// Draws the next frame, unless frames are being measured; recreates the device if it was lost.
     fn draw(&mut self, events: &ActiveEventLoop) {
+        let comparison = self.open.as_ref().and_then(|open| open.comparison.as_ref());
+        let turn = comparison.map(|comparison| Arc::clone(comparison.bench.turn()));
+        let held = turn.as_ref().map(|turn| turn.try_lock());
+        if matches!(held, Some(Err(TryLockError::WouldBlock))) {
+            return;
+        }
         let drawn = self.frame();
         let drawn = match drawn {
             Err(error) if error.is_device_lost() => {
@@ -224,6 +240,7 @@ impl ApplicationHandler for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(open) = &mut self.open else { return };
         // A clicked widget keeps the focus, but consumes keys only during text input; Escape closes its popups.
+        open.woken |= !matches!(event, WindowEvent::RedrawRequested);
         let typing = open.panel.has_keyboard || open.egui.egui_ctx().text_edit_focused();
         let key = match &event {
             WindowEvent::KeyboardInput { event, .. } => Some(event.physical_key),
@@ -272,11 +289,11 @@ impl ApplicationHandler for App {
                 open.button(button, state);
             }
             WindowEvent::MouseWheel { delta, .. } if !pointer_taken && !consumed => {
-                open.flight.change_speed(match delta {
+                let notches = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => lines,
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / 50.0,
-                });
-                open.panel.show_speed(open.flight.speed_text());
+                };
+                open.wheel(notches);
             }
             WindowEvent::DroppedFile(path) => {
                 open.actions.push(action_of_file(path));
@@ -295,6 +312,15 @@ impl ApplicationHandler for App {
         }
         if hidden {
             events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + HIDDEN_POLL));
+        } else if open.is_measuring() {
+            events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + POLL));
+            open.window.request_redraw();
+        } else if open.is_calm() && !std::mem::take(&mut open.woken) {
+            let next = open.clock.last_frame() + CALM;
+            events.set_control_flow(ControlFlow::WaitUntil(next));
+            if Instant::now() >= next {
+                open.window.request_redraw();
+            }
         } else {
             events.set_control_flow(ControlFlow::Wait);
             open.window.request_redraw();

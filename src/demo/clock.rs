@@ -38,6 +38,16 @@ impl Clock {
         Self { time: 0.0, paused: false, pace, last_frame: Instant::now(), interval: Duration::ZERO }
     }
 
+    /// When the last frame started.
+    pub fn last_frame(&self) -> Instant {
+        self.last_frame
+    }
+
+    /// Starts a frame in which nothing goes on.
+    pub fn hold(&mut self) {
+        (self.interval, self.last_frame) = (Duration::ZERO, Instant::now());
+    }
+
     /// Starts a frame; `step` is the setting `time_step`.
     pub fn tick(&mut self, step: f64) {
         let now = Instant::now();

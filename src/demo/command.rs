@@ -17,8 +17,8 @@ impl Open {
         let stem = format!("glowworm-{}", session.live_scene.name);
         let saved = session.saved.as_ref().filter(|saved| saved.is_current(session));
         let mut scene = saved.map_or(session.name.clone(), |saved| saved.path.to_string_lossy().into_owned());
-        if session.headlamp.is_some() || saved.is_none() && (session.edited || camera_moved) {
-            let path: PathBuf = free_name(&stem, "toml").ok()?;
+        if session.headlamp.is_some() || saved.is_none() && (session.is_edited() || camera_moved) {
+            let path: PathBuf = free_name(&stem, ".toml").ok()?;
             scene = path.to_string_lossy().into_owned();
             self.actions.push(Action::Save(path));
         }

@@ -19,6 +19,9 @@ const CORNERS: u32 = 8;
 /// Edge length or radius of a new shape, radii of the scene.
 const SHAPE: f32 = 0.08;
 
+/// How far apart new things stand, radii of the scene.
+const APART: f32 = 0.1;
+
 /// An object to add.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -149,7 +152,20 @@ fn place_in_view(session: &Session) -> Vec3 {
     let camera = &session.pose.camera;
     let distance =
         session.pick(glam::Vec2::splat(0.5)).map_or(0.5 * session.radius, |picked| picked.distance);
-    camera.eye + camera.forward() * (0.7 * distance)
+    free_place(session, camera.eye + camera.forward() * (0.7 * distance))
+}
+
+/// `place`, or one to the right of it where nothing stands yet.
+pub(super) fn free_place(session: &Session, mut place: Vec3) -> Vec3 {
+    let lights = (0..session.document.lights().len()).map(Selected::Light);
+    let all = lights.chain((0..session.document.instances().len()).map(Selected::Instance));
+    let taken: Vec<Vec3> = all.filter_map(|known| session.place_of(known)).collect();
+    let camera = &session.pose.camera;
+    let step = camera.forward().cross(camera.up).normalize_or(Vec3::X) * (APART * session.radius);
+    while taken.iter().any(|known| known.distance(place) < 0.5 * APART * session.radius) {
+        place += step;
+    }
+    place
 }
 
 /// `name`, with as many times " copy" as make it a name that no instance has.

@@ -9,6 +9,8 @@ use crate::scene::Camera;
 const LOOK_SPEED: f32 = 0.004;
 /// Speed factor with shift.
 const RUN: f32 = 4.0;
+/// Narrowest and widest vertical field of view, radians.
+const FIELDS: [f32; 2] = [0.02, 2.4];
 /// Limit of the cosine between view direction and up axis.
 const STEEPEST: f32 = 0.998;
 
@@ -117,6 +119,13 @@ impl Flight {
         let distance = camera.target.distance(camera.eye);
         let forward = turned(&camera, pixels.map(|delta| -delta * LOOK_SPEED));
         camera.target = camera.eye + forward * distance;
+        self.moved = Some(camera);
+    }
+
+    /// Narrows the field of view by a tenth a notch.
+    pub fn zoom(&mut self, own: &Camera, notches: f32) {
+        let mut camera = self.camera(own);
+        camera.vertical_fov = (camera.vertical_fov * 0.9f32.powf(notches)).clamp(FIELDS[0], FIELDS[1]);
         self.moved = Some(camera);
     }
 

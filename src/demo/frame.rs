@@ -14,7 +14,6 @@ use super::recorder::Recorder;
 use super::recorder::Recording;
 use super::screenshot::Saving;
 use super::session::{Change, Session};
-use super::tour::Tour;
 use super::{DemoError, Launch};
 use crate::vulkan::{Pane, Presented, UiDrawing};
 
@@ -23,9 +22,16 @@ impl App {
         self.take_built()?;
         self.take_saved();
         let Some(open) = &mut self.open else { return Ok(()) };
+        if let Some(rows) = open.follow_comparison() {
+            self.log.event("compared", rows);
+        }
         open.follow_size();
         let step = open.session.as_ref().map_or(0.0, |session| session.settings.time_step);
-        open.clock.tick(step);
+        if open.is_measuring() {
+            open.clock.hold()
+        } else {
+            open.clock.tick(step)
+        }
         open.follow_rate();
         open.fly();
         if let Some(stop) = open.follow_tour(&self.launch)? {
@@ -41,6 +47,7 @@ impl App {
         }
         let Some(open) = &mut self.open else { return Ok(()) };
         open.press.end_frame();
+        open.name_window();
         if let Some(pending) = open.panel.pending.clone().filter(|pending| asked.as_ref() != Some(pending)) {
             self.log.event("unsaved", pending);
         }
@@ -76,7 +83,9 @@ impl App {
             report: open.session.as_ref().map(|session| session.report.clone()).unwrap_or_default(),
         };
         self.log.shown(&sample);
-        open.history.push(sample);
+        if !open.is_measuring() {
+            open.history.push(sample);
+        }
         Ok(())
     }
 
@@ -117,9 +126,16 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let (done, waiting) = std::mem::take(&mut open.saving).into_iter().partition(Saving::is_done);
         open.saving = waiting;
-        for saving in done {
+        for mut saving in done {
+            let scene = saving.scene.take();
             match saving.finish() {
                 Ok(path) => {
+                    // One that could not be written is not saved.
+                    if let (Some(scene), Some(session)) = (scene, &mut open.session)
+                        && scene.name == session.name
+                    {
+                        (session.saved_edits, session.saved) = (scene.edits, Some(scene.saved));
+                    }
                     self.log.event("saved", &path);
                     open.panel.message = format!("saved {}", path.display());
                 }
@@ -135,6 +151,9 @@ impl App {
 impl Open {
     /// Goes on with a loaded scene, or the current one with a rebuilt renderer.
     fn switch_to(&mut self, built: Built) -> Result<(), DemoError> {
+        if self.is_measuring() || !built.same {
+            self.comparison = None;
+        }
         match &mut self.session {
             Some(session) if built.same && session.name == built.name => {
                 let view = session.renderer.view().clone();
@@ -181,7 +200,6 @@ impl Open {
                         .extend(warnings.map(|warning| format!("{}: {warning}", session.live_scene.name)));
                     session.live_scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
                     self.panel.message = session.live_scene.warnings.join("; ");
-                    self.window.set_title(&format!("{} - glowworm", session.name));
                     self.flight = Flight::new(session.radius, session.live_scene.metres_per_unit);
                     self.clock.time = 0.0;
                 }
@@ -200,6 +218,17 @@ impl Open {
         // The window may have been resized meanwhile.
         self.resized = Some(Instant::now());
         Ok(())
+    }
+
+    /// Names the scene in the window's title, with an asterisk while it has unsaved edits.
+    fn name_window(&mut self) {
+        let Some(session) = &self.session else { return };
+        let edited = if session.is_edited() { "*" } else { "" };
+        let title = format!("{edited}{} - glowworm", session.name);
+        if self.title != title {
+            self.window.set_title(&title);
+            self.title = title;
+        }
     }
 
     /// Shows why a scene could not be built, and takes back the edits that wanted it.
@@ -243,20 +272,24 @@ impl Open {
         let context = self.egui.egui_ctx().clone();
         let mut actions = Vec::new();
         let output = context.run_ui(input, |ui| {
-            let mut shown = Shown {
-                session: self.session.as_ref(),
-                split: self.split.as_ref(),
-                caption: self.tour.as_ref().map(Tour::caption),
-                assets: launch.assets.as_deref(),
-                clock: &mut self.clock,
-                history: &self.history,
-                loader: &self.loader,
-                gpu: &self.gpu,
-                resolution: &self.resolution,
-                recording: &self.recording,
-                inspector: &self.inspector,
-                mode: self.mode,
-            };
+            let mut shown =
+                Shown {
+                    session: self.session.as_ref(),
+                    split: self.split.as_ref(),
+                    comparison: self.comparison.as_ref(),
+                    caption: self.tour.as_ref().zip(self.session.as_ref()).map(|(tour, session)| {
+                        tour.said(session, self.split.as_ref(), self.comparison.as_ref())
+                    }),
+                    assets: launch.assets.as_deref(),
+                    clock: &mut self.clock,
+                    history: &self.history,
+                    loader: &self.loader,
+                    gpu: &self.gpu,
+                    resolution: &self.resolution,
+                    recording: &self.recording,
+                    inspector: &self.inspector,
+                    mode: self.mode,
+                };
             actions.extend(panel::draw(ui, &mut self.panel, &mut shown));
         });
         self.actions.extend(actions);
@@ -267,13 +300,21 @@ impl Open {
     }
 
     fn draw_session(&mut self) -> Result<(), DemoError> {
-        let Some(session) = &mut self.session else { return Ok(()) };
+        let (is_measuring, pointer) = (self.is_measuring(), self.pointer_in_picture());
+        let Some(session) = self.session.as_mut().filter(|_| !is_measuring) else { return Ok(()) };
         self.inspector.refresh(session)?;
         let camera = self.flight.camera(&session.live_scene.pose(self.clock.time).camera);
         let pace = self.clock.exposure_pace();
-        session.render(self.clock.time, camera, pace)?;
+        let turns = self.split.as_mut().map_or([true; 2], |split| split.turns(&session.report));
+        // A recording has every frame of the left side.
+        let [left, right] = if matches!(self.recording, Recording::Off) { turns } else { [true; 2] };
+        session.go_to_time(self.clock.time, camera);
+        if left {
+            session.render(pace)?;
+        }
+        self.inspector.read(session, pointer)?;
         if let Some(split) = &mut self.split {
-            split.render(session, pace)?;
+            split.render(session, pace, right)?;
         }
         if let Recording::On(recorder) = &mut self.recording {
             recorder.frame(session);

@@ -172,6 +172,32 @@ fn paint_box(painter: &Painter, session: &Session, projector: &Projector, select
     }
 }
 
+impl Session {
+    /// The entry whose surface is at a position of the picture; none for what surrounds the camera, so that no click moves a building.
+    pub fn selected_at(&self, at: Vec2) -> Option<Selected> {
+        let instance =
+            self.pick(at).map(|picked| picked.instance).filter(|instance| !self.surrounds(*instance))?;
+        if instance < self.document.instances().len() {
+            return Some(Selected::Instance(instance));
+        }
+        let mut lights = 0..self.document.lights().len();
+        lights.find(|&light| self.document.light_instance(light) == Some(instance)).map(Selected::Light)
+    }
+
+    /// Whether the camera is inside of an instance's bounds.
+    fn surrounds(&self, instance: usize) -> bool {
+        let (Some(known), Some(transform)) =
+            (self.scene.instances.get(instance), self.pose.instances.get(instance))
+        else {
+            return false;
+        };
+        let mesh = &self.scene.meshes[known.mesh];
+        let (low, high) = mesh.bounds();
+        let eye = transform.inverse().transform_point3(self.pose.camera.eye);
+        eye.cmpge(low).all() && eye.cmple(high).all()
+    }
+}
+
 /// The light whose marker is at a window position.
 pub(super) fn light_at(session: &Session, viewport: Rect, at: Pos2) -> Option<Selected> {
     let projector = Projector::new(session, viewport);

@@ -1,5 +1,7 @@
 //! Inspector: the material at a point, and the VPLs that light it.
 
+use std::time::{Duration, Instant};
+
 use glam::{Vec2, Vec3};
 
 use super::DemoError;
@@ -10,6 +12,8 @@ use crate::scene::WorldSurface;
 
 /// Most VPLs to list.
 const LISTED: usize = 24;
+/// Time between readings of the pixel under the pointer.
+const READ: Duration = Duration::from_millis(250);
 /// Colours of visibility rays: unoccluded, occluded.
 const RAY_COLOURS: [[f32; 4]; 2] = [[0.3, 1.0, 0.4, 0.9], [1.0, 0.2, 0.2, 0.7]];
 
@@ -22,6 +26,8 @@ pub(super) struct Inspector {
     pub found: Vec<Found>,
     /// Whether the renderer's view holds lines of the inspector.
     drawn: bool,
+    /// What the pixel under the pointer shows, and when it was read.
+    pub pixel: Option<(String, Instant)>,
 }
 
 /// A VPL that lights the point.
@@ -62,6 +68,36 @@ impl Inspector {
     /// Inspects the surface at a position of the picture.
     pub fn look(&mut self, session: &Session, at: Vec2) {
         self.point = session.pick(at);
+    }
+
+    /// Reads the pixel at a position of the picture, a few times a second.
+    pub fn read(&mut self, session: &Session, at: Vec2) -> Result<(), DemoError> {
+        if !self.on || self.pixel.as_ref().is_some_and(|(_, since)| since.elapsed() < READ) {
+            return Ok(());
+        }
+        let is_inside = at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all();
+        self.pixel = None;
+        let Some(picked) = session.pick(at).filter(|_| is_inside) else { return Ok(()) };
+        let picture = session.renderer.read_picture(true)?;
+        let [x, y] = [at.x * picture.width as f32, at.y * picture.height as f32].map(|at| at as usize);
+        let pixel = y * picture.width + x;
+        let [r, g, b] = picture.colour[pixel];
+        let indirect = picture.layers.iter().find(|layer| layer.name == "indirect");
+        let irradiance = indirect.map_or(String::new(), |layer| {
+            let [r, g, b] = [0, 1, 2].map(|channel| layer.channels[channel].1[pixel]);
+            format!("\nindirect irradiance {r:.3} {g:.3} {b:.3} W/m²")
+        });
+        let scene = &session.scene;
+        let [instance, material] =
+            [&scene.instances[picked.instance].name, &scene.materials[picked.material].name];
+        let Vec3 { x: px, y: py, z: pz } = picked.surface.position;
+        let text = format!(
+            "pixel {x}, {y}: {instance}, {material}\nat {px:.3} {py:.3} {pz:.3}, {:.3} away\nradiance {r:.3} {g:.3} {b:.3} \
+             W/m²/sr{irradiance}",
+            picked.distance
+        );
+        self.pixel = Some((text, Instant::now()));
+        Ok(())
     }
 
     /// Updates the list for the current pose, and draws the visibility rays.

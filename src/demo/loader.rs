@@ -9,7 +9,7 @@ use rayon::ThreadPoolBuilder;
 
 use super::{DemoError, Launch};
 use crate::formats::{ReadFiles, SceneDocument};
-use crate::renderer::Renderer;
+use crate::renderer::{PreparedScene, Renderer};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::vulkan::Device;
@@ -53,13 +53,15 @@ pub(super) struct Built {
 pub(super) enum Step {
     Reading,
     Building,
+    Compiling,
 }
 
 impl Step {
     pub fn label(self) -> &'static str {
         match self {
             Self::Reading => "reading the scene",
-            Self::Building => "building its BVH, shooting VPLs, uploading",
+            Self::Building => "building its BVH",
+            Self::Compiling => "compiling shaders, uploading, shooting VPLs",
         }
     }
 }
@@ -171,7 +173,9 @@ fn build(request: LoadRequest, launch: &Launch, sender: &Sender<Message>) -> Res
         None
     } else {
         let _ = sender.send(Message::Step(Step::Building));
-        Some(Renderer::new(&device, &scene, &settings, &scene.pose(0.0))?)
+        let prepared = PreparedScene::new(&scene);
+        let _ = sender.send(Message::Step(Step::Compiling));
+        Some(Renderer::with_scene(&device, prepared, &settings, &scene.pose(0.0))?)
     };
     Ok(Built { name, document, scene, read, settings, renderer, same })
 }

@@ -7,6 +7,7 @@ mod action;
 mod app;
 mod clock;
 mod command;
+mod compare;
 mod edit;
 mod flight;
 mod frame;

@@ -13,7 +13,7 @@ use crate::vulkan::Viewport;
 
 impl Open {
     /// Pointer position in the picture, from (0, 0) at the top left to (1, 1).
-    fn pointer_in_picture(&self) -> Vec2 {
+    pub(super) fn pointer_in_picture(&self) -> Vec2 {
         let Viewport { corner, size } = self.viewport();
         let float = |pixels: [u32; 2]| Vec2::from_array(pixels.map(|side| side as f32));
         (Vec2::from_array(self.pointer.position) - float(corner)) / float(size).max(Vec2::ONE)
@@ -130,6 +130,18 @@ impl Open {
             }
         });
         self.actions.extend(action);
+    }
+
+    /// Zooms with Ctrl, or else changes the speed of flight.
+    pub(super) fn wheel(&mut self, notches: f32) {
+        if !self.modifiers.control_key() {
+            self.flight.change_speed(notches);
+            return self.panel.show_speed(self.flight.speed_text());
+        }
+        if let Some(session) = &self.session {
+            let own = session.live_scene.pose(self.clock.time).camera;
+            self.flight.zoom(&own, notches);
+        }
     }
 
     fn pointer_in_points(&self) -> Pos2 {

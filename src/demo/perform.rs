@@ -7,17 +7,18 @@ use serde_json::json;
 use super::DemoError;
 use super::action::Action;
 use super::app::{App, Open, slow_click_context};
-use super::edit::{free_name, new_light};
+use super::edit::{free_name, free_place, new_light};
 use super::gpu::Gpu;
 use super::handles::{Mode, moved_instance, moved_light};
 use super::loader::{Edited, LoadRequest};
 use super::panel::Purpose;
 use super::recorder::Recording;
 use super::resolution::COARSEST;
-use super::screenshot::{self, Saving};
+use super::screenshot::{self, SavedScene, Saving};
 use super::session::{Change, Saved, Selected, Session, carry};
 use super::undo::State;
 use crate::formats::{InstanceEntry, LightEntry, SceneError};
+use crate::output::automatic_exposure;
 use crate::settings::Settings;
 
 impl App {
@@ -59,6 +60,9 @@ impl App {
                 let wanted = (!full).then_some(winit::window::Fullscreen::Borderless(None));
                 open.window.set_fullscreen(wanted);
             }
+            Action::ToggleCompare => open.toggle_compare(self.launch.assets.clone()),
+            Action::Compare(wanted) => open.compare(wanted, self.launch.assets.clone()),
+            Action::SaveComparison => open.save_comparison(),
             Action::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
             Action::RestartDevice(index) => return self.restart_device(index),
             Action::Open(name) => {
@@ -107,7 +111,7 @@ impl App {
     pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         open.loader.stop();
-        open.split = None;
+        (open.split, open.comparison) = (None, None);
         open.panel.forget_textures();
         let session = open.session.take();
         let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
@@ -129,7 +133,7 @@ impl App {
 impl Open {
     /// Whether the scene has unsaved edits.
     pub(super) fn is_edited(&self) -> bool {
-        self.session.as_ref().is_some_and(|session| session.edited)
+        self.session.as_ref().is_some_and(Session::is_edited)
     }
 
     /// Whether an action may end the scene: there are no unsaved edits, or the user discards them by the same action again.
@@ -183,6 +187,7 @@ impl Open {
                 self.panel.scene.ask_for(Purpose::Save, name);
             }
             Action::Save(path) => self.save(path),
+            Action::Expose(stops) => self.expose(stops)?,
             other => self.look(other)?,
         }
         Ok(())
@@ -258,7 +263,7 @@ impl Open {
             Recording::Waiting => {}
             Recording::On(recorder) => {
                 let name = self.session.as_ref().map_or("scene", |session| session.live_scene.name.as_str());
-                match screenshot::free_name(&format!("glowworm-{name}-recording"), "toml") {
+                match screenshot::free_name(&format!("glowworm-{name}-recording"), ".toml") {
                     Ok(path) => self.saving.push(recorder.save(path)),
                     Err(error) => self.panel.error = Some(error),
                 }
@@ -268,8 +273,8 @@ impl Open {
 
     fn duplicate(&mut self) {
         self.edit(|session| {
-            // Offset the copy, so that both are visible.
-            let way = glam::Vec3::splat(0.05 * session.radius);
+            let place = session.selected.and_then(|selected| session.place_of(selected)).unwrap_or_default();
+            let way = free_place(session, place) - place;
             match session.selected {
                 Some(Selected::Light(index)) => {
                     let Some(light) = session.document.lights().nth(index) else { return Ok(Change::Live) };
@@ -313,21 +318,47 @@ impl Open {
         let Some(session) = &mut self.session else { return };
         let camera = self.flight.has_moved().then_some(&session.pose.camera);
         let text = session.document_to_save(camera).text_to_save(&path);
-        session.edited = false;
-        session.saved = Some(Saved { path: path.clone(), camera: session.pose.camera });
-        self.saving.push(Saving::text(path, text));
+        let saved = Saved { path: path.clone(), camera: session.pose.camera };
+        let scene = SavedScene { name: session.name.clone(), edits: session.edits, saved };
+        self.saving.push(Saving { scene: Some(scene), ..Saving::text(path, text) });
     }
 
     /// Changes the settings of the current scene, so that it can be taken back; a change of the window's size alone cannot.
     fn set_and_remember(&mut self, settings: &Settings) -> Result<(), DemoError> {
         let Some(before) = self.session.as_ref().map(Session::state) else { return Ok(()) };
         self.set(settings)?;
+        // What a method gains is to be seen in the rate, not in the number of pixels.
+        let method = |of: &Settings| (of.indirect, of.vpl.temporal_sets);
+        if self.resolution.automatic && method(settings) != method(&before.settings) {
+            self.resolution.automatic = false;
+            self.panel.message = "pixel size no longer follows the rate, so that rates compare".to_owned();
+        }
         if let Some(session) = &mut self.session
             && session.settings != (Settings { size: session.settings.size, ..before.settings.clone() })
         {
             session.undo.remember(before, self.press);
         }
         Ok(())
+    }
+
+    /// Changes the exposure by stops, from what it is now; or makes it automatic.
+    fn expose(&mut self, stops: Option<f32>) -> Result<(), DemoError> {
+        let Some(session) = &self.session else { return Ok(()) };
+        let mut settings = session.settings.clone();
+        settings.exposure = match (stops, settings.exposure) {
+            (None, _) => None,
+            (Some(stops), Some(now)) => Some(now + stops),
+            (Some(stops), None) => {
+                let picture = session.renderer.read_picture(false)?;
+                let now = automatic_exposure(&picture, settings.tone_map, std::iter::repeat(1.0)).log2();
+                Some((2.0 * now).round() * 0.5 + stops)
+            }
+        };
+        self.panel.message = match settings.exposure {
+            Some(stops) => format!("exposure {stops:+.1} stops (0: automatic)"),
+            None => "automatic exposure".to_owned(),
+        };
+        self.set_and_remember(&settings)
     }
 
     /// Changes the settings of the current scene.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
 use super::DemoError;
-use super::session::Session;
+use super::session::{Saved, Session};
 use crate::output::{OutputFile, PictureTarget};
 
 /// Most files of one name in a folder.
@@ -12,7 +12,16 @@ const MOST: u32 = 9999;
 
 /// A file being written.
 pub(super) struct Saving {
-    thread: JoinHandle<Result<PathBuf, String>>,
+    pub thread: JoinHandle<Result<PathBuf, String>>,
+    /// The scene that it holds.
+    pub scene: Option<SavedScene>,
+}
+
+/// The scene of a file that is being written, as it was.
+pub(super) struct SavedScene {
+    pub name: String,
+    pub edits: u64,
+    pub saved: Saved,
 }
 
 impl Saving {
@@ -23,7 +32,12 @@ impl Saving {
             file.save_text(&text).map_err(|error| error.to_string())?;
             Ok(path)
         };
-        Self { thread: std::thread::spawn(write) }
+        Self::of(write)
+    }
+
+    /// Runs `write` in a thread; it returns the path, or a one-line error.
+    pub fn of(write: impl FnOnce() -> Result<PathBuf, String> + Send + 'static) -> Self {
+        Self { thread: std::thread::spawn(write), scene: None }
     }
 
     pub fn is_done(&self) -> bool {
@@ -40,19 +54,18 @@ impl Saving {
 pub(super) fn take(session: &Session, exr: bool) -> Result<Saving, DemoError> {
     let picture = session.renderer.read_picture(false)?;
     let stem = format!("glowworm-{}", session.live_scene.name.replace(['/', '\\'], "-"));
-    let thread = std::thread::spawn(move || {
-        let path = free_name(&stem, if exr { "exr" } else { "png" })?;
+    Ok(Saving::of(move || {
+        let path = free_name(&stem, if exr { ".exr" } else { ".png" })?;
         let target = PictureTarget::new(&path, false).map_err(|error| error.to_string())?;
         target.write(&picture, 0).map_err(|error| error.to_string())?;
         Ok(path)
-    });
-    Ok(Saving { thread })
+    }))
 }
 
-/// An unused file name in the current folder.
+/// An unused file name in the current folder; `extension` has its dot.
 pub(super) fn free_name(stem: &str, extension: &str) -> Result<PathBuf, String> {
     (1..=MOST)
-        .map(|number| PathBuf::from(format!("{stem}-{number:04}.{extension}")))
+        .map(|number| PathBuf::from(format!("{stem}-{number:04}{extension}")))
         .find(|path| !Path::new(path).exists())
-        .ok_or_else(|| format!("{stem}-{MOST}.{extension} exists; move the files {stem}-* to another folder"))
+        .ok_or_else(|| format!("{stem}-{MOST}{extension} exists; move the files {stem}-* to another folder"))
 }

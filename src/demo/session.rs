@@ -48,8 +48,9 @@ pub(super) struct Session {
     pub selected: Option<Selected>,
     /// The light attached to the camera.
     pub headlamp: Option<usize>,
-    /// Whether there are unsaved edits.
-    pub edited: bool,
+    /// Counts edits, and those that the last saved file has.
+    pub edits: u64,
+    pub saved_edits: u64,
     pub undo: Undo,
     /// The file that holds what is shown.
     pub saved: Option<Saved>,
@@ -68,7 +69,7 @@ pub(super) struct Saved {
 impl Saved {
     /// Whether there were neither edits since then nor another camera.
     pub fn is_current(&self, session: &Session) -> bool {
-        !session.edited && self.camera == session.pose.camera
+        !session.is_edited() && self.camera == session.pose.camera
     }
 }
 
@@ -101,7 +102,8 @@ impl Session {
             radius: 0.5 * low.distance(high),
             selected: None,
             headlamp: None,
-            edited: false,
+            edits: 0,
+            saved_edits: 0,
             undo: Undo::default(),
             saved: None,
             pose,
@@ -124,15 +126,28 @@ impl Session {
 
     /// The current state, which can be taken back.
     pub fn state(&self) -> State {
-        State { document: self.document.clone(), settings: self.settings.clone(), headlamp: self.headlamp }
+        State {
+            document: self.document.clone(),
+            settings: self.settings.clone(),
+            headlamp: self.headlamp,
+            selected: self.selected,
+        }
+    }
+
+    /// Whether there are unsaved edits.
+    pub fn is_edited(&self) -> bool {
+        self.edits != self.saved_edits
     }
 
     /// Goes to a state that was before or after the current one, but for its settings.
     pub fn go_to(&mut self, state: &State) -> Result<Change, SceneError> {
         self.document = state.document.clone();
         self.headlamp = state.headlamp;
-        self.selected = None;
-        self.edited = true;
+        self.selected = state.selected.or(self.selected).filter(|selected| match *selected {
+            Selected::Light(index) => index < self.document.lights().len(),
+            Selected::Instance(index) => index < self.document.instances().len(),
+        });
+        self.edits += 1;
         self.apply()
     }
 
@@ -171,9 +186,13 @@ impl Session {
         document
     }
 
-    /// Renders the next frame at animation time `time` with `camera`; `pace`: of automatic exposure.
-    pub fn render(&mut self, time: f64, camera: Camera, pace: f32) -> Result<(), RenderError> {
+    /// Poses the world at animation time `time`, seen by `camera`.
+    pub fn go_to_time(&mut self, time: f64, camera: Camera) {
         self.pose = self.pose_at(time, camera);
+    }
+
+    /// Renders the next frame; `pace`: of automatic exposure.
+    pub fn render(&mut self, pace: f32) -> Result<(), RenderError> {
         self.renderer.set_exposure_pace(pace);
         self.renderer.render(&self.pose)?;
         if let Some(report) = self.renderer.take_reports().pop() {
@@ -205,7 +224,7 @@ impl Session {
         let before = self.document.clone();
         let change = edit(&mut self.document).and_then(|()| self.apply());
         match change {
-            Ok(_) => self.edited = true,
+            Ok(_) => self.edits += 1,
             Err(_) => self.document = before,
         }
         change
@@ -261,16 +280,6 @@ impl Session {
         }
         document.set_settings(self.settings.differing());
         document
-    }
-
-    /// The entry whose surface is at a position of the picture.
-    pub fn selected_at(&self, at: Vec2) -> Option<Selected> {
-        let instance = self.pick(at)?.instance;
-        if instance < self.document.instances().len() {
-            return Some(Selected::Instance(instance));
-        }
-        let mut lights = 0..self.document.lights().len();
-        lights.find(|&light| self.document.light_instance(light) == Some(instance)).map(Selected::Light)
     }
 
     /// The name of an entry, to be read.

@@ -1,4 +1,7 @@
-//! The divided window: right of the divider the same world at the same moment by other settings, or the reference.
+//! The divided window: right of the divider the same world by other settings, or the reference.
+//!
+//! Two methods take turns: each gets half of the time, so that the faster one draws more frames, and each shows the world as it
+//! was when it drew. Where both are compared, they draw the same moment.
 
 use std::sync::Arc;
 
@@ -8,10 +11,14 @@ use super::DemoError;
 use super::live_metrics::{LiveMetrics, Logged, Shot};
 use super::live_reference::LiveReference;
 use super::session::Session;
+use crate::estimators;
 use crate::renderer::{RenderError, Renderer};
 use crate::report::FrameReport;
 use crate::settings::Settings;
 use crate::vulkan::{Device, Pane};
+
+/// Most frames that one side draws while the other waits.
+const MOST_FRAMES: f64 = 32.0;
 
 /// The picture to show right of the divider.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,6 +38,10 @@ pub(super) struct Split {
     pub shows_difference: bool,
     pub right: Right,
     pub metrics: LiveMetrics,
+    /// Time that the frames of the left and of the right side took, ms, but for what both took.
+    taken_ms: [f64; 2],
+    /// Whether this frame is one of both sides.
+    is_compared: bool,
 }
 
 /// Right of the divider.
@@ -46,11 +57,33 @@ pub(super) struct Other {
     pub report: FrameReport,
 }
 
+impl RightSide {
+    /// What tells something beside `settings`: one temporal set beside several, or several beside one; VPLs beside other methods.
+    pub fn beside(settings: &Settings) -> Self {
+        let mut other = settings.clone();
+        let axis = estimators::method(settings).axes.iter().find(|axis| axis.divides_work);
+        if let Some(axis) = axis {
+            let most = (axis.get)(&Settings::default());
+            (axis.set)(&mut other, if (axis.get)(settings) == 1 { most } else { 1 });
+        } else {
+            other.indirect = Settings::default().indirect;
+        }
+        Self::Settings(Box::new(other))
+    }
+}
+
 impl Split {
     /// Divides the window in the middle. With a renderer, that of the session starts again, so that both have the same past.
     pub fn new(device: &Arc<Device>, session: &mut Session, side: RightSide) -> Result<Self, DemoError> {
         let right = Right::new(device, session, side)?;
-        Ok(Self { at: 0.5, shows_difference: false, right, metrics: LiveMetrics::default() })
+        Ok(Self {
+            at: 0.5,
+            shows_difference: false,
+            right,
+            metrics: LiveMetrics::default(),
+            taken_ms: [0.0; 2],
+            is_compared: true,
+        })
     }
 
     /// Sets what is right of the divider.
@@ -69,16 +102,36 @@ impl Split {
             (right, side) => *right = Right::new(device, session, side)?,
         }
         self.metrics.forget();
+        self.taken_ms = [0.0; 2];
         Ok(())
     }
 
-    /// Draws the frame that the session has just drawn with this pace of exposure, and compares both sides now and then.
-    pub fn render(&mut self, session: &Session, pace: f32) -> Result<(), DemoError> {
+    /// Which sides are to draw this frame, left and right: that which has had less time, or both where they are compared.
+    pub fn turns(&mut self, left: &FrameReport) -> [bool; 2] {
+        self.is_compared = self.metrics.is_due();
+        let Right::Renderer(other) = &self.right else { return [true; 2] };
+        let costs = [left, &other.report].map(|report| report.figures.total_ms);
+        let less = usize::from(self.taken_ms[1] < self.taken_ms[0]);
+        // Before the first reports, and where nothing moves, there is nothing to share.
+        if self.is_compared || costs.contains(&0.0) {
+            return [true; 2];
+        }
+        self.taken_ms[less] += costs[less];
+        // The first frame of all compiles shaders: no side waits longer for it than for so many frames of the other.
+        let (both, most) = (self.taken_ms[0].min(self.taken_ms[1]), MOST_FRAMES * costs[0].min(costs[1]));
+        self.taken_ms = self.taken_ms.map(|ms| (ms - both).min(most));
+        [less == 0, less == 1]
+    }
+
+    /// Draws the right side of the session's world as it stands, with this pace of exposure, if it is its turn, and compares both sides now
+    /// and then.
+    pub fn render(&mut self, session: &Session, pace: f32, is_turn: bool) -> Result<(), DemoError> {
         match &mut self.right {
-            Right::Renderer(other) => other.render(session, pace)?,
+            Right::Renderer(other) if is_turn => other.render(session, pace)?,
+            Right::Renderer(_) => {}
             Right::Reference(reference) => reference.follow(session),
         }
-        if self.metrics.is_due()
+        if self.is_compared
             && let Some(right) = self.right_shot()?
         {
             self.metrics.compare(session.shot()?, right);

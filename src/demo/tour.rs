@@ -1,4 +1,4 @@
-//! The tour: eight stops of ten seconds, each of which shows one idea, with a caption.
+//! The tour: stops of ten seconds, each of which shows one idea, with a caption.
 
 use std::f32::consts::TAU;
 use std::path::PathBuf;
@@ -8,6 +8,7 @@ use image::{Rgb, RgbImage};
 
 use super::DemoError;
 use super::action::Action;
+use super::compare::Comparison;
 use super::live_metrics::Shot;
 use super::session::Session;
 use super::split::{Right, RightSide, Split};
@@ -15,11 +16,14 @@ use super::undo::Undo;
 use crate::estimators::vpls::{PathStyle, VplDebugView};
 use crate::output::OutputFile;
 use crate::renderer::DebugView;
+use crate::report::FrameReport;
 use crate::scene::Camera;
-use crate::settings::{Denoise, EffectSettings, Indirect, Settings, VplSettings};
+use crate::settings::{Denoise, EffectSettings, Indirect, PathFilter, Settings, VplSettings};
 
 /// Length of a stop, seconds.
 const STOP: f64 = 10.0;
+/// Longest step, seconds: what waits for the device misses no act.
+const LONGEST_STEP: f64 = 1.0;
 /// VPLs whose paths are shown.
 const FEW: u32 = 128;
 /// Pictures of the contact sheet beside each other.
@@ -47,11 +51,15 @@ enum Act {
     /// Others right of the divider, which sways.
     Beside(Indirect, Denoise),
     Reference,
+    /// Paths without and, right of the divider, with light from a radiance cache.
+    Cache,
+    /// Measures frame rates of temporal sets, or closes what was measured.
+    Compare(bool),
     /// One picture again.
     Join,
 }
 
-const STOPS: [Stop; 8] = [
+const STOPS: [Stop; 11] = [
     Stop {
         caption: "Temporal sets. T = 1: each frame draws the light of all virtual point lights. After five seconds T = 16: \
                   a sixteenth of them a frame, added up over sixteen frames.",
@@ -59,9 +67,20 @@ const STOPS: [Stop; 8] = [
         sway: [4.0, 1.0],
     },
     Stop {
+        caption: "What temporal sets gain, measured: frames per second of T = 1, 4, 8, 16 and 32 at this resolution, and how far \
+                  their pictures are from those of T = 1. F3 does so for any view.",
+        acts: &[(0.0, Act::Compare(true))],
+        sway: [0.0, 1.0],
+    },
+    Stop {
         caption: "Virtual point lights. Light paths start at the lights; where they meet a surface they leave a point that \
                   shines for the light that bounces there.",
-        acts: &[(0.0, Act::FewVpls(true)), (0.0, Act::Pause(true)), (0.0, Act::Paths(true))],
+        acts: &[
+            (0.0, Act::Compare(false)),
+            (0.0, Act::FewVpls(true)),
+            (0.0, Act::Pause(true)),
+            (0.0, Act::Paths(true)),
+        ],
         sway: [4.0, 1.0],
     },
     Stop {
@@ -98,13 +117,20 @@ const STOPS: [Stop; 8] = [
         sway: [4.0, 1.0],
     },
     Stop {
+        caption: "Path-space filtering. The same light paths: on the left each pixel has its own, on the right further bounces end in a \
+                  radiance cache, cells in space whose light all paths share.",
+        acts: &[(0.0, Act::Method(Indirect::PATHS, Denoise::SVGF)), (0.0, Act::Cache)],
+        sway: [4.0, 1.0],
+    },
+    Stop {
+        caption: "Standing still. While nothing moves, all frames are averaged: the picture becomes that of the path tracer, then it \
+                  freezes and costs nothing. The number at the top counts them.",
+        acts: &[(0.0, Act::Join), (0.0, Act::Method(Indirect::VPLS, Denoise::SVGF)), (0.0, Act::Pause(true))],
+        sway: [0.0, 1.0],
+    },
+    Stop {
         caption: "The reference. A path tracer goes on as long as nothing moves; the picture on the left is compared with it.",
-        acts: &[
-            (0.0, Act::Join),
-            (0.0, Act::Method(Indirect::VPLS, Denoise::SVGF)),
-            (0.0, Act::Pause(true)),
-            (0.0, Act::Reference),
-        ],
+        acts: &[(0.0, Act::Reference)],
         sway: [0.0, 1.0],
     },
 ];
@@ -128,6 +154,8 @@ pub(super) struct Before {
     /// Where the user had moved the camera.
     pub camera: Option<Camera>,
     pub paused: bool,
+    /// Whether the resolution followed the rate.
+    pub automatic: bool,
     /// Without the steps of the tour.
     pub undo: Undo,
 }
@@ -152,6 +180,31 @@ impl Tour {
         STOPS.get(self.stop).map_or("", |stop| stop.caption)
     }
 
+    /// The caption, and below it the rate, or what the tour waits for.
+    pub fn said(&self, session: &Session, split: Option<&Split>, comparison: Option<&Comparison>) -> String {
+        let [width, height] = session.settings.size;
+        let rate = |report: &FrameReport| match report.figures.total_ms {
+            0.0 => "stands still".to_owned(),
+            ms => format!("{:.1} frames/s", 1e3 / ms),
+        };
+        let left = rate(&session.report);
+        let below = match (
+            comparison.filter(|comparison| comparison.is_running()),
+            split.map(|split| &split.right),
+        ) {
+            (Some(comparison), _) => {
+                format!("waits: {:.0} % measured", 100.0 * comparison.bench.progress().0)
+            }
+            (_, Some(Right::Renderer(other))) => format!("left {left}, right {}", rate(&other.report)),
+            (_, Some(Right::Reference(reference))) => match reference.progress() {
+                Some(progress) => format!("{} samples a pixel", progress.samples),
+                None => "waits for the first sample of each pixel".to_owned(),
+            },
+            (_, None) => format!("{left}, {} still frames", session.renderer.still_frames()),
+        };
+        format!("{}\n{width}x{height}: {below}", self.caption())
+    }
+
     /// Goes on by `seconds`. None when the tour is over.
     pub fn advance(
         &mut self,
@@ -162,7 +215,7 @@ impl Tour {
     ) -> Result<Option<TourFrame>, DemoError> {
         // The first frame of all may come after a long load.
         let first = self.stop == 0 && self.acts == 0;
-        self.time += if first { 0.0 } else { seconds };
+        self.time += if first { 0.0 } else { seconds.min(LONGEST_STEP) };
         let ends = self.time >= STOP;
         if ends {
             self.take_shot(session, split)?;
@@ -229,6 +282,13 @@ impl Tour {
                 Action::Split(Some(RightSide::Settings(Box::new(right))))
             }
             Act::Reference => Action::Split(Some(RightSide::Reference)),
+            Act::Cache => {
+                let mut right = session.settings.clone();
+                right.paths.filter = PathFilter::Cache;
+                Action::Split(Some(RightSide::Settings(Box::new(right))))
+            }
+            Act::Compare(true) => Action::ToggleCompare,
+            Act::Compare(false) => Action::Compare(None),
             Act::Join => Action::Split(None),
         }
     }

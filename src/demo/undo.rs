@@ -1,5 +1,6 @@
 //! Undo: edits of the scene, and settings, can be taken back.
 
+use super::session::Selected;
 use crate::formats::SceneDocument;
 use crate::settings::Settings;
 
@@ -13,6 +14,7 @@ pub(super) struct State {
     /// Settings; their size is not taken back, since it is the window's.
     pub settings: Settings,
     pub headlamp: Option<usize>,
+    pub selected: Option<Selected>,
 }
 
 /// A press of a mouse button; all it changes is one step.

@@ -37,7 +37,7 @@ impl Open {
         if std::mem::replace(&mut self.last_viewport, viewport) != viewport {
             self.resized = Some(Instant::now());
         }
-        if self.resized.is_none_or(|when| when.elapsed() <= RESIZE_DELAY) {
+        if self.is_measuring() || self.resized.is_none_or(|when| when.elapsed() <= RESIZE_DELAY) {
             return;
         }
         self.resized = None;
@@ -48,12 +48,19 @@ impl Open {
         }
     }
 
+    /// Whether no frame would differ from the last one: a scene is loaded, or the picture is frozen.
+    pub fn is_calm(&self) -> bool {
+        let is_frozen = self.session.as_ref().is_none_or(|session| session.renderer.is_frozen());
+        let waits = self.actions.is_empty() && self.saving.is_empty() && self.resized.is_none();
+        is_frozen && waits && self.tour.is_none() && !self.egui.egui_ctx().has_requested_repaint()
+    }
+
     /// Gives the picture as many pixels as keep the target rate, or all of them where there is none. Not while something else
     /// needs the machine, or a picture must keep its size.
     pub fn follow_rate(&mut self) {
         let is_reference =
             self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Reference(_)));
-        let is_busy = self.loader.progress().is_some() || self.resized.is_some();
+        let is_busy = self.loader.progress().is_some() || self.resized.is_some() || self.is_measuring();
         let is_fixed = is_reference || !matches!(self.recording, Recording::Off);
         let session = self.session.as_ref().filter(|_| self.resolution.automatic && !is_busy && !is_fixed);
         // Motion asks for a rate; what stands still, for every pixel.

@@ -9,9 +9,12 @@ use super::recorder::Recording;
 use super::split::{Right, RightSide, Split};
 use super::tour::{Before, Tour};
 use crate::estimators;
-use crate::estimators::vpls::{PathStyle, SlotState, VplDebugView, Vpls};
+use crate::estimators::vpls::{SlotState, VplDebugView, Vpls};
 use crate::renderer::DebugView;
 use crate::settings::Settings;
+
+/// VPL paths that are shown at first: few enough to be told apart.
+const FEW_PATHS: u32 = 128;
 
 impl Open {
     /// Executes the actions that choose what is shown.
@@ -28,9 +31,14 @@ impl Open {
             Action::StepBuffer(by) => self.step_buffer(by)?,
             Action::StepVpl(by) => self.step_vpl(by)?,
             Action::AllVpls => self.change_vpl_view(|view| view.single_vpl = None)?,
-            Action::TogglePaths => self.change_vpl_view(|view| {
-                view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(PathStyle::default()) };
-            })?,
+            Action::TogglePaths => {
+                let style = self.panel.paths.style;
+                self.change_vpl_view(|view| {
+                    view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(style) };
+                    view.path_sample.get_or_insert(FEW_PATHS);
+                })?;
+            }
+            Action::Flip => self.change_split(|split| split.at = if split.at > 0.5 { 0.0 } else { 1.0 }),
             Action::ToggleInspector => self.inspector.toggle(),
             // [`App::perform`](super::app::App::perform) and [`Open::change`] have taken all others.
             _ => {}
@@ -49,6 +57,7 @@ impl Open {
             view: session.renderer.view().clone(),
             camera: self.flight.moved(),
             paused: self.clock.paused,
+            automatic: self.resolution.automatic,
             undo: std::mem::take(&mut session.undo),
         };
         self.tour = Some(Tour::new(before, sheet));
@@ -63,7 +72,8 @@ impl Open {
         let (before, closes) = tour.end()?;
         self.closing |= closes;
         self.panel.hidden = false;
-        self.clock.paused = before.paused;
+        (self.clock.paused, self.resolution.automatic) = (before.paused, before.automatic);
+        self.comparison = None;
         self.split = None;
         match before.camera {
             Some(camera) => self.flight.go_to(camera),
@@ -75,11 +85,11 @@ impl Open {
         self.set(&settings)
     }
 
-    /// Divides the window between two methods, the same at first, or goes back to one picture.
+    /// Divides the window between two methods, or goes back to one picture.
     pub(super) fn toggle_split(&mut self) -> Result<(), DemoError> {
         let is_on = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
-        let settings = self.session.as_ref().map(|session| Box::new(session.settings.clone()));
-        self.divide(settings.filter(|_| !is_on).map(RightSide::Settings))
+        let side = self.session.as_ref().map(|session| RightSide::beside(&session.settings));
+        self.divide(side.filter(|_| !is_on))
     }
 
     /// Shows the reference right of the divider, or goes back to one picture.
@@ -120,6 +130,9 @@ impl Open {
     }
 
     pub(super) fn view(&mut self, view: &DebugView) -> Result<(), DemoError> {
+        // The colours of paths are remembered while there are none.
+        let style = view.options::<VplDebugView>().vpl_paths;
+        self.panel.paths.style = style.unwrap_or(self.panel.paths.style);
         match &mut self.session {
             Some(session) => Ok(session.renderer.set_view(view)?),
             None => Ok(()),

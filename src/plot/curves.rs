@@ -62,6 +62,8 @@ pub enum Look {
     Plain,
     /// With a marker at each point.
     Marked,
+    /// With a marker and, for each point, a bar from one value of y to another.
+    Intervals(Vec<[f64; 2]>),
     /// With a marker and a text at each point.
     Labelled(Vec<String>),
     /// A dashed grey line.
@@ -118,6 +120,12 @@ impl Plot for Curves {
                     chart.draw_series([Circle::new(point, 2, colour.filled())])?;
                 }
             }
+            if let Look::Intervals(intervals) = &line.look {
+                let bars = places.iter().zip(intervals).filter(|(point, _)| is_finite(point));
+                chart.draw_series(bars.map(|(&(at, _), ends)| {
+                    PathElement::new(ends.map(|end| (at, y.place(end))), colour.stroke_width(2))
+                }))?;
+            }
             if let Look::Labelled(texts) = &line.look {
                 let style = (FONT, 11).into_font().color(&colour);
                 let shown = places.iter().zip(texts).filter(|(point, _)| is_finite(point));
@@ -171,7 +179,10 @@ fn line_colour(index: usize) -> RGBColor {
         RGBColor(86, 180, 233),
         RGBColor(60, 60, 60),
     ];
-    COLOURS[index % COLOURS.len()]
+    // Further ones are the same, lighter.
+    let RGBColor(r, g, b) = COLOURS[index % COLOURS.len()];
+    let lighter = |channel: u8| if index < COLOURS.len() { channel } else { channel / 2 + 110 };
+    RGBColor(lighter(r), lighter(g), lighter(b))
 }
 
 impl Panel {

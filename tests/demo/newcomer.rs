@@ -19,11 +19,6 @@ const SMALL: [&str; 8] = [
     "--validate",
 ];
 
-fn shows(demo: &mut Demo<'_>, name: &str) -> bool {
-    let layout = demo.events().iter().rfind(|event| event["event"] == "layout").unwrap();
-    layout["details"].get(name).is_some()
-}
-
 fn is_question(event: &Value, what: &str) -> bool {
     event["event"] == "unsaved" && (event["details"] == what || event["details"].get(what).is_some())
 }
@@ -40,13 +35,13 @@ fn the_first_lines_are_shown_until_they_are_dismissed() {
     demo.click_widget_at_once("Got it", [10, 10]);
     demo.wait_after(seen, "dismissal", |event| is_action(event, "dismiss-welcome"));
     demo.frames(3);
-    assert!(!shows(&mut demo, "Got it"));
+    assert!(!demo.shows("Got it"));
     let mut since = demo.events()[seen..].iter();
     assert!(!since.any(|event| is_action(event, "select")), "the click reaches the picture as well");
     demo.close();
     let mut demo = Demo::start_as_it_is(&server, &SMALL);
     demo.frames(6);
-    assert!(!shows(&mut demo, "Got it"), "the first lines come back");
+    assert!(!demo.shows("Got it"), "the first lines come back");
     demo.close();
 }
 
@@ -61,15 +56,17 @@ fn edits_are_not_lost_without_a_question() {
     demo.click_widget("add point");
     demo.wait_after(seen, "new light", |event| is_action(event, "add-light"));
 
+    assert!(demo.title().starts_with('*'), "{} has unsaved edits", demo.title());
+
     // Closing asks; Escape goes on with the scene.
     let seen = demo.now();
     demo.input(&["key", "ctrl+q"]);
     demo.wait_after(seen, "question", |event| is_question(event, "quit"));
     demo.screen().keep("26-unsaved");
-    assert!(shows(&mut demo, "Discard"));
+    assert!(demo.shows("Discard"));
     demo.input(&["key", "Escape"]);
     demo.frames(3);
-    assert!(!shows(&mut demo, "Discard"));
+    assert!(!demo.shows("Discard"));
 
     // Another scene asks too, and the same edits can be discarded.
     let seen = demo.now();
@@ -96,6 +93,8 @@ fn edits_are_not_lost_without_a_question() {
     assert!(demo.path(saved["details"].as_str().unwrap()).is_file());
 
     // Nothing is edited now, so nothing asks.
+    demo.frames(2);
+    assert!(!demo.title().starts_with('*'), "{} is saved", demo.title());
     let log = demo.close();
     let questions = log["events"].as_array().unwrap().iter().filter(|event| event["event"] == "unsaved");
     assert_eq!(questions.count(), 3);

@@ -205,6 +205,19 @@ impl<'d> Demo<'d> {
         self.wait_after(seen, action, |event| is_action(event, action));
     }
 
+    /// The window's title.
+    pub fn title(&self) -> String {
+        let window = self.window.to_string();
+        let output = self.server.command("xdotool").args(["getwindowname", &window]).output().unwrap();
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Whether the panel shows a widget.
+    pub fn shows(&mut self, name: &str) -> bool {
+        let layout = self.events().iter().rfind(|event| event["event"] == "layout").unwrap();
+        layout["details"].get(name).is_some()
+    }
+
     /// Where the picture is in the window: left, top, right, bottom.
     pub fn viewport(&mut self) -> [u32; 4] {
         let layout = self.events().iter().rfind(|event| event["event"] == "layout").unwrap();

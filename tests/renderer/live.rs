@@ -99,6 +99,53 @@ fn nothing_is_seen_of_other_sets_until_all_are_there() {
     assert!(frozen(&mut renderer, &pose) == fresh(&gpu, &scene, &settings));
 }
 
+/// The camera turns, so that each frame shows what no set of before has seen.
+#[test]
+fn nothing_that_comes_into_view_is_black_whatever_changes() {
+    const FRAMES: u32 = 120;
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = scene(STUDIO);
+    let mut random = 1u32;
+    let mut dice = |sides: u32| {
+        random = random.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (random >> 16) % sides
+    };
+    let pose = |frame: u32| {
+        let mut pose = scene.pose(0.0);
+        let (sin, cos) = (0.2 * frame as f32).sin_cos();
+        pose.camera.eye = Vec3::ZERO;
+        pose.camera.target = Vec3::new(sin, -0.15, cos);
+        pose
+    };
+    let many = VplSettings { slots: 1024, temporal_sets: 1, ..VplSettings::default() };
+    let mut settings = Settings { vpl: VplSettings { slots: 512, ..many }, ..start() };
+    let mut renderer = gpu.renderer(&scene, &settings, &pose(0));
+    let mut reference = gpu.renderer(&scene, &Settings { vpl: many, ..start() }, &pose(0));
+    let (mut changes, mut dark, mut pixels) = (0, 0, 0);
+    for frame in 0..FRAMES {
+        if dice(2) == 0 {
+            match dice(3) {
+                0 => settings.size = [60 + dice(3) * 12, 40 + dice(3) * 8],
+                1 => settings.vpl.interleave = 2 + 2 * dice(2),
+                _ => settings.vpl.temporal_sets = [1, 4, 8, 16][dice(4) as usize],
+            }
+            renderer.set_settings(&settings, &pose(frame)).unwrap();
+            let like = Settings { vpl: many, ..settings.clone() };
+            reference.set_settings(&like, &pose(frame)).unwrap();
+            changes += 1;
+        }
+        for renderer in [&mut renderer, &mut reference] {
+            renderer.render(&pose(frame)).unwrap();
+        }
+        pixels += (settings.size[0] * settings.size[1]) as usize;
+        let both = indirect(&renderer).into_iter().zip(indirect(&reference));
+        dark += both.filter(|(ours, full)| luminance(ours) < 0.25 * luminance(full)).count();
+    }
+    assert!(changes >= 45, "{changes} changes");
+    // A single set may be as dark as that by chance; what no set saw would be a tenth of each picture.
+    assert!(1000 * dark < pixels, "{dark} of {pixels} pixels are below a quarter of the reference");
+}
+
 #[test]
 fn a_window_that_is_dragged_larger_stays_lit() {
     let Some(gpu) = GpuFixture::open() else { return };

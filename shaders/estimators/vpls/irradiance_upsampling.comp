@@ -3,7 +3,8 @@
 #extension GL_EXT_samplerless_texture_functions : require
 // Irradiance of every pixel from all set buffers: where these have half the resolution, by an edge-aware upsampling of
 // set_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves; where
-// none of them has seen it either, from the surfaces around.
+// none of them has seen it either, from the surfaces around. After a change of settings a first dispatch does that with the old sets
+// and leaves holes where they saw nothing, and a second one fills these from the new sets.
 // Out: irradiance; a: how many sets saw the surface.
 #include "frame.glsl"
 #include "gbuffer.glsl"
@@ -22,7 +23,7 @@ layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_instance;
 layout(set = 0, binding = 9, rgba16f) uniform readonly image2D coarse_irradiance;
-layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D irradiance;
+layout(set = 0, binding = 10, rgba16f) uniform image2D irradiance;
 #include "surface.glsl"
 #include "slope.glsl"
 
@@ -86,14 +87,16 @@ vec4 from_neighbours(ivec2 pixel, Surface surface) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    bool fills = sets.holes == 2u;
+    if (fills && imageLoad(irradiance, pixel).a > 0.0) return;
     Surface surface = surface_at(pixel);
     vec4 sum = vec4(0.0);
-    if (surface.depth > 0.0 && (sets.set_step == 1u || !upsampled(pixel, surface, sum))) {
+    if (surface.depth > 0.0 && (fills || sets.set_step == 1u || !upsampled(pixel, surface, sum))) {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         float variance;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
     }
     bool is_black = surface.depth > 0.0 && sum.a < FEW_SETS && sum.rgb == vec3(0.0);
-    if (is_black && sets.set_step == 2u) sum = from_neighbours(pixel, surface);
+    if (is_black && sets.set_step == 2u && sets.holes != 1u) sum = from_neighbours(pixel, surface);
     imageStore(irradiance, pixel, storable(sum));
 }

@@ -22,6 +22,7 @@ struct SetPush {
     float total_flux;   // luminous, of all sets
     uint view;          // of vpl_view.comp
     uint rendered_step; // of vpl_view.comp: pixels from one texel of the set that this frame renders to the next
+    uint holes;         // of irradiance_upsampling.comp: 0: none of the pixels are; 1: leaves those that no set saw; 2: fills these alone
 };
 layout(push_constant) uniform Push { SetPush data; } push;
 SetPush sets = push.data;

@@ -7,6 +7,7 @@ use super::scene::short;
 use super::settings::name_of;
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
+use crate::demo::session::Session;
 use crate::demo::split::RightSide;
 use crate::estimators;
 use crate::settings::{Direct, Indirect, Preset, Settings};
@@ -22,7 +23,7 @@ const QUALITIES: [(Preset, &str); 3] = [
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
 /// Width of all that the bar holds, points.
-const FULL: f32 = 1160.0;
+const FULL: f32 = 1275.0;
 /// Height of a row and of the margins, points.
 const ROW: f32 = 22.0;
 const MARGINS: f32 = 4.0;
@@ -56,14 +57,21 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
             .on_hover_text("Another method or the reference right of a divider (C).");
         place(ui, places, "split", &split);
         if split.clicked() {
-            let same = RightSide::Settings(Box::new(settings.clone()));
-            actions.push(Action::Split(shown.split.is_none().then_some(same)));
+            let beside = RightSide::beside(&settings);
+            actions.push(Action::Split(shown.split.is_none().then_some(beside)));
+        }
+        let compare = ui
+            .selectable_label(shown.comparison.is_some(), "compare T")
+            .on_hover_text("Measures the frame rate against temporal sets, and the error (F3).");
+        place(ui, places, "compare T", &compare);
+        if compare.clicked() {
+            actions.push(Action::ToggleCompare);
         }
         // At the end, so that it moves nothing.
         let still = session.renderer.still_frames();
         if still > 0 {
             ui.separator();
-            let text = format!("still: {still} of {} frames", session.settings.still_frames);
+            let text = format!("still: {still}/{}", session.settings.still_frames);
             ui.add(Label::new(RichText::new(text).weak()).extend())
                 .on_hover_text("While nothing changes, the mean of all frames becomes the picture.");
         }
@@ -75,11 +83,15 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
 
 /// Shows the frame rate of the last half second.
 fn rate(ui: &mut Ui, shown: &Shown<'_>) {
+    let size = |session: &Session| session.settings.size.map(|side| side.to_string()).join("x");
+    let size = shown.session.map(size).unwrap_or_default();
     let ms = shown.history.recent_ms();
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };
     // As wide whatever the numbers, so that nothing moves under the pointer.
     let digits = usize::from(fps < 10.0);
-    ui.monospace(format!("{fps:4.digits$} fps {ms:6.1} ms"));
+    let is_frozen = shown.session.is_some_and(|session| session.renderer.is_frozen());
+    let rate = if is_frozen { "stands still".to_owned() } else { format!("{fps:4.digits$} fps {ms:6.1} ms") };
+    ui.monospace(format!("{rate:18} {size:>9}"));
     ui.separator();
 }
 

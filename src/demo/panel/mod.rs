@@ -1,6 +1,7 @@
 //! The panel, one file per section. Sections show state and return actions; they change nothing themselves.
 
 mod bar;
+mod compare;
 mod environment;
 mod help;
 mod legend;
@@ -26,6 +27,7 @@ use egui::{Frame, Id, Rect, Response, RichText, ScrollArea, Sense, Ui, UiBuilder
 
 use super::action::Action;
 use super::clock::Clock;
+use super::compare::Comparison;
 use super::gpu::Gpu;
 use super::handles::{self, Mode};
 use super::history::History;
@@ -33,7 +35,7 @@ use super::inspector::Inspector;
 use super::loader::Loader;
 use super::recorder::Recording;
 use super::resolution::Resolution;
-use super::session::Session;
+use super::session::{Selected, Session};
 use super::split::Split;
 
 pub(super) use scene::{Purpose, is_map};
@@ -67,12 +69,16 @@ pub(super) struct PanelState {
     pub pending: Option<Action>,
     pub scene: scene::SceneState,
     split: split::SplitState,
+    pub compare: compare::CompareState,
+    pub paths: vpls::PathsState,
     pub places: Places,
     /// The speed of flight, and since when it is shown.
     speed: Option<(String, Instant)>,
     /// The widget that had the keyboard in the last frame.
     focused: Option<Id>,
     thumbnails: thumbnails::Thumbnails,
+    /// What was selected in the last frame.
+    selected: Option<Selected>,
 }
 
 impl PanelState {
@@ -108,8 +114,9 @@ impl PanelState {
 pub(super) struct Shown<'a> {
     pub session: Option<&'a Session>,
     pub split: Option<&'a Split>,
+    pub comparison: Option<&'a Comparison>,
     /// The caption of the tour.
-    pub caption: Option<&'static str>,
+    pub caption: Option<String>,
     pub assets: Option<&'a Path>,
     pub clock: &'a mut Clock,
     pub history: &'a History,
@@ -138,7 +145,7 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     if let Some(split) = shown.split {
         split::pictures(ui, state, split);
     }
-    if let Some(caption) = shown.caption {
+    if let Some(caption) = &shown.caption {
         notices::caption(ui, viewport, caption);
     }
     if state.help {
@@ -150,6 +157,7 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     if shown.session.is_none() {
         notices::loading(ui, viewport, shown.loader);
     }
+    compare::draw(ui, state, shown, &mut actions);
     if state.hidden {
         return actions;
     }
@@ -209,8 +217,12 @@ fn sections(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>, actions:
     header(ui, "Environment", environment);
     let time = section(ui, "Time", true, |ui| time::draw(ui, shown, &mut inner, actions));
     header(ui, "Time", time);
-    let objects =
-        section(ui, "Lights and objects", false, |ui| objects::draw(ui, shown, &mut inner, actions));
+    // It opens with a selection.
+    let selected = shown.session.and_then(|session| session.selected);
+    let opens = std::mem::replace(&mut state.selected, selected) != selected && selected.is_some();
+    let objects = egui::CollapsingHeader::new(RichText::new("Lights and objects").strong());
+    let objects = objects.open(opens.then_some(true));
+    let objects = objects.show(ui, |ui| objects::draw(ui, shown, &mut inner, actions)).header_response;
     header(ui, "Lights and objects", objects);
     let views = section(ui, "Debug views", false, |ui| views::draw(ui, shown, actions));
     header(ui, "Debug views", views);
@@ -244,7 +256,6 @@ fn status(ui: &mut Ui, state: &PanelState, shown: &Shown<'_>) {
     let progress = shown.loader.progress();
     if let Some((name, step, elapsed)) = progress.filter(|progress| progress.2 > SOON) {
         ui.horizontal_wrapped(|ui| {
-            ui.spinner();
             ui.small(format!("{}: {} ({:.0} s)", scene::short(name), step.label(), elapsed.as_secs_f32()));
         });
     } else if !state.message.is_empty() {

@@ -45,8 +45,8 @@ pub(super) fn loading(ui: &Ui, viewport: Rect, loader: &Loader) {
     let Some((name, step, elapsed)) = loader.progress() else { return };
     let area = Area::new(Id::new("loading")).fixed_pos(viewport.center()).pivot(Align2::CENTER_CENTER);
     area.interactable(false).show(ui.ctx(), |ui| {
+        ui.set_min_width((viewport.width() - 40.0).min(WIDEST));
         ui.vertical_centered(|ui| {
-            ui.spinner();
             ui.label(format!("{name}: {} ({:.0} s)", step.label(), elapsed.as_secs_f32()));
         });
     });

@@ -1,6 +1,6 @@
 //! Lights and instances: select, edit, add, delete.
 
-use egui::{ComboBox, DragValue, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
+use egui::{ComboBox, DragValue, Id, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
 use glam::Vec3;
 
 use super::{Places, Shown, keep_keyboard, place, place_track};
@@ -83,9 +83,17 @@ fn add_object(ui: &mut Ui, session: &Session, places: &mut Places, actions: &mut
 }
 
 fn list(ui: &mut Ui, session: &Session, actions: &mut Vec<Action>) {
+    let shown = Id::new("selected entry");
+    let is_new = ui.data(|data| data.get_temp(shown)) != Some(session.selected);
+    ui.data_mut(|data| data.insert_temp(shown, session.selected));
     let mut entry = |ui: &mut Ui, this: Selected, name: String| {
-        if ui.selectable_label(session.selected == Some(this), name).clicked() {
+        let is_selected = session.selected == Some(this);
+        let label = ui.selectable_label(is_selected, name);
+        if label.clicked() {
             actions.push(Action::Select(Some(this)));
+        }
+        if is_selected && is_new {
+            label.scroll_to_me(None);
         }
     };
     ScrollArea::vertical().id_salt("objects").max_height(110.0).auto_shrink([false, true]).show(ui, |ui| {

@@ -21,6 +21,8 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>) {
     figures(ui, shown, "frame", Color32::LIGHT_GRAY, |sample| sample.interval_ms);
     figures(ui, shown, "panel, CPU", Color32::LIGHT_GRAY, |sample| sample.ui_cpu_ms);
     figures(ui, shown, "panel, device", Color32::LIGHT_GRAY, |sample| sample.ui_device_ms);
+    let memory = shown.gpu.device.memory_peak() as f64 / f64::from(1 << 20);
+    ui.small(format!("device memory: {memory:.0} MiB at most"));
     ui.separator();
     ui.small("milliseconds of each pass, stacked");
     let last = samples[samples.len() - 1];

@@ -155,6 +155,15 @@ fn window(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
             }
         }
     });
+    let now = ui.ctx().zoom_factor();
+    let percent = |scale: f32| format!("{:.0} %", 100.0 * scale);
+    ComboBox::from_label("interface size").selected_text(percent(now)).show_ui(ui, |ui| {
+        for scale in [0.75, 1.0, 1.25, 1.5, 2.0] {
+            if ui.selectable_label(scale == now, percent(scale)).clicked() {
+                ui.ctx().set_zoom_factor(scale);
+            }
+        }
+    });
     let current = shown.gpu.device.info();
     let combo = ComboBox::from_id_salt("device").selected_text(&current.name).width(210.0).truncate();
     combo.show_ui(ui, |ui| {

@@ -146,14 +146,14 @@ fn right_side(
     ui.horizontal(|ui| {
         let is_reference = matches!(split.right, Right::Reference(_));
         for (name, what, reference) in [
-            ("method", "The same world at the same moment by other settings.", false),
+            ("method", "The same world by other settings; each side draws as many frames as it can in half of the time.", false),
             ("reference", "The path tracer, while nothing moves (G).", true),
         ] {
             let choice = ui.selectable_label(is_reference == reference, name).on_hover_text(what);
             place(ui, places, name, &choice);
             if choice.clicked() && is_reference != reference {
-                let settings = RightSide::Settings(Box::new(session.settings.clone()));
-                actions.push(Action::Split(Some(if reference { RightSide::Reference } else { settings })));
+                let beside = RightSide::beside(&session.settings);
+                actions.push(Action::Split(Some(if reference { RightSide::Reference } else { beside })));
             }
         }
         let difference = ui
@@ -211,7 +211,8 @@ fn numbers(ui: &mut Ui, split: &Split) {
 }
 
 fn milliseconds(report: &FrameReport) -> String {
-    format!("{:.1} ms", report.figures.total_ms)
+    let ms = report.figures.total_ms;
+    if ms > 0.0 { format!("{:.1} frames/s ({ms:.1} ms)", 1e3 / ms) } else { "stands still".to_owned() }
 }
 
 /// Names the methods that light a picture.

@@ -20,7 +20,7 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
         ));
         ui.add_space(6.0);
         ui.horizontal(|ui| {
-            let buttons = ["Save …", "Discard", "Go on"].map(|name| (name, ui.button(name)));
+            let buttons = ["Save …", "Discard", "Cancel"].map(|name| (name, ui.button(name)));
             for (name, button) in &buttons {
                 place(ui, &mut state.places, name, button);
             }

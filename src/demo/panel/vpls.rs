@@ -1,6 +1,6 @@
 //! VPLs in the panel: options of their views, the legend of their paths, those that light a point.
 
-use egui::{Align2, Color32, ComboBox, DragValue, Grid, Rect, RichText, Ui, Window};
+use egui::{Align2, Color32, ComboBox, DragValue, Grid, Rect, RichText, Slider, Ui, Window};
 
 use super::Shown;
 use crate::demo::action::Action;
@@ -13,6 +13,12 @@ use crate::estimators::vpls::{
 use crate::renderer::DebugView;
 use crate::scene::luminance;
 
+/// What is remembered of paths while they are hidden.
+#[derive(Default)]
+pub(in crate::demo) struct PathsState {
+    pub style: PathStyle,
+}
+
 /// The options of the views, where VPLs are the method.
 pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session, actions: &mut Vec<Action>) {
     if session.renderer.estimator::<Vpls>().is_none() {
@@ -23,7 +29,7 @@ pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session,
         if shows_a_set {
             set(ui, options, session.settings.vpl.temporal_sets);
         }
-        paths(ui, options);
+        paths(ui, options, session.settings.vpl.pool_size().max(1));
         single(ui, options, actions);
     });
 }
@@ -50,7 +56,7 @@ fn set(ui: &mut Ui, view: &mut VplDebugView, sets: u32) {
     });
 }
 
-fn paths(ui: &mut Ui, view: &mut VplDebugView) {
+fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32) {
     ui.horizontal(|ui| {
         let mut on = view.vpl_paths.is_some();
         if ui
@@ -70,6 +76,11 @@ fn paths(ui: &mut Ui, view: &mut VplDebugView) {
         });
     });
     if view.vpl_paths.is_some() {
+        let mut sample = view.path_sample.unwrap_or(most);
+        let slider = Slider::new(&mut sample, 1..=most).logarithmic(true).text("paths");
+        if ui.add(slider).on_hover_text("As many of all, evenly chosen").changed() {
+            view.path_sample = (sample < most).then_some(sample);
+        }
         ui.horizontal_wrapped(|ui| {
             ui.small("invalidated:");
             for reason in InvalidationReason::ALL {
@@ -98,13 +109,17 @@ fn single(ui: &mut Ui, view: &VplDebugView, actions: &mut Vec<Action>) {
 
 /// The list of VPLs that light a point.
 pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let window = Window::new("VPL inspector")
+    let window = Window::new("Inspector")
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
         .max_width((viewport.width() - 30.0).max(200.0))
         .max_height(viewport.height() * 0.45)
         .resizable(false)
         .vscroll(true);
     window.show(ui.ctx(), |ui| {
+        if let Some((pixel, _)) = &shown.inspector.pixel {
+            ui.label(pixel);
+            ui.separator();
+        }
         if !shown.inspector.has_point() {
             ui.label("Click a surface.");
             return;

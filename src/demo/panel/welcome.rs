@@ -10,7 +10,7 @@ const LINES: [&str; 5] = [
     "Fly with W A S D, Q and E; look around with the right mouse button; Home brings you back.",
     "The bar at the top chooses the scene, the method, temporal sets (T) and quality.",
     "C compares two methods side by side, G shows the path traced reference, X the error.",
-    "F1 lists all keys; F2 begins a tour of one minute.",
+    "F1 lists all keys; F2 begins a tour; F3 measures what temporal sets gain.",
 ];
 
 pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {

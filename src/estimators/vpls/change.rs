@@ -1,7 +1,7 @@
 //! Changes settings while the renderer runs, without a flash.
 //!
 //! Everything that the change does not concern is kept. Where the number of sets or the size changes, the old set buffers stay in the
-//! picture, reprojected like any others, until every new set has been rendered.
+//! picture, reprojected like any others, until every new set has been rendered; the new ones are shown where the old ones saw nothing.
 
 use super::indirect_reprojection::IndirectReprojectionPass;
 use super::indirect_shading::IndirectShadingPass;

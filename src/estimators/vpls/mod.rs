@@ -295,9 +295,8 @@ impl Estimator for Vpls {
         denoised: &Image,
     ) -> Result<(), VulkanError> {
         let Some(uploaded) = &self.uploaded else { return Ok(()) };
-        let shown = self.passes.shown();
-        let push = shown.push(self.settings.vpl.missing_sets, &self.frame_set.flux);
-        self.passes.indirect_reprojection.upsample(frame, inputs, uploaded, (shown, &push), denoised)
+        let light = (self.settings.vpl.missing_sets, self.frame_set.flux.as_slice());
+        self.passes.upsample(frame, inputs, uploaded, light, denoised)
     }
 
     fn resolved(&self) -> Option<&Image> {
@@ -385,9 +384,9 @@ impl Estimator for Vpls {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let VplDebugView { vpl_paths, single_vpl, .. } = self.view;
+        let VplDebugView { vpl_paths, single_vpl, path_sample: sample, .. } = self.view;
         let height = self.settings.size[1];
-        let lines = |style| PathView { style, single: single_vpl, height }.lines(&self.manager);
+        let lines = |style| PathView { style, single: single_vpl, sample, height }.lines(&self.manager);
         vpl_paths.map(lines).unwrap_or_default()
     }
 

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use super::indirect_reprojection::IndirectReprojectionPass;
 use super::indirect_shading::IndirectShadingPass;
 use super::indirect_shadows::IndirectShadowsPass;
-use super::set_buffers::SetBuffers;
-use super::vpl_buffer::VplBuffer;
+use super::set_buffers::{Holes, SetBuffers, SetPush};
+use super::vpl_buffer::{UploadedSet, VplBuffer};
 use crate::gpu_scene::tracer::TracerVariant;
-use crate::settings::Settings;
-use crate::vulkan::{Device, VulkanError};
+use crate::passes::frame_inputs::FrameInputs;
+use crate::settings::{MissingSets, Settings};
+use crate::vulkan::{Device, Frame, Image, VulkanError};
 
 /// The passes and what the temporal sets hold on the device.
 pub(super) struct Passes {
@@ -19,7 +20,7 @@ pub(super) struct Passes {
     pub indirect_reprojection: IndirectReprojectionPass,
     /// The sets that this frame and the next ones render.
     pub sets: SetBuffers,
-    /// The sets from before a change of settings. They are shown until all of `sets` have been rendered.
+    /// The sets from before a change of settings. They are shown, where they saw anything, until all of `sets` have been rendered.
     pub settled: Option<SetBuffers>,
 }
 
@@ -27,6 +28,26 @@ impl Passes {
     /// The sets that the picture is made of.
     pub fn shown(&self) -> &SetBuffers {
         self.settled.as_ref().unwrap_or(&self.sets)
+    }
+
+    /// Gives every pixel its irradiance from the sets that are shown; `light`: what becomes of missing sets, and the flux of all.
+    pub fn upsample(
+        &self,
+        frame: &mut Frame<'_>,
+        inputs: &FrameInputs<'_>,
+        uploaded: &UploadedSet,
+        light: (MissingSets, &[f32]),
+        denoised: &Image,
+    ) -> Result<(), VulkanError> {
+        let pass = &self.indirect_reprojection;
+        let push = |sets: &SetBuffers, holes| SetPush { holes, ..sets.push(light.0, light.1) };
+        let Some(settled) = &self.settled else {
+            let push = push(&self.sets, Holes::default());
+            return pass.upsample(frame, inputs, uploaded, (&self.sets, &push), denoised);
+        };
+        // Old sets know nothing of what comes into view.
+        pass.upsample(frame, inputs, uploaded, (settled, &push(settled, Holes::LEAVE)), denoised)?;
+        pass.upsample(frame, inputs, uploaded, (&self.sets, &push(&self.sets, Holes::FILL)), denoised)
     }
 
     /// Makes the passes and empty set buffers.

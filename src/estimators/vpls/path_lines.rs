@@ -3,6 +3,8 @@
 //! In: the slots. Out: lines to draw over the picture. Points are as large as their flux; colours tell what
 //! was asked for.
 
+use std::collections::HashSet;
+
 use glam::Vec3;
 
 use super::manager::{InvalidationReason, SlotState, SlotView, VplManager};
@@ -31,6 +33,8 @@ pub(super) struct PathView {
     pub style: PathStyle,
     /// Draw the path of this slot only.
     pub single: Option<u32>,
+    /// Draw at most so many paths; none: all.
+    pub sample: Option<u32>,
     /// Height of the picture, pixels.
     pub height: u32,
 }
@@ -39,7 +43,16 @@ impl PathView {
     /// All lines, then all points, so that points lie on top, and those that flash on top of all.
     pub fn lines(&self, vpls: &VplManager) -> Vec<Line> {
         let chosen = self.single.map(|slot| vpls.path_to(slot));
-        let shown = |slot: &SlotView| chosen.as_ref().is_none_or(|path| path.contains(&slot.slot));
+        // The first VPL of a path stands for it.
+        let first = |slot: &SlotView| vpls.path_to(slot.slot).first().copied().unwrap_or(slot.slot);
+        let mut paths: Vec<u32> = vpls.slots().map(|slot| first(&slot)).collect();
+        paths.dedup();
+        let step = self.sample.map_or(1, |most| paths.len().div_ceil(most.max(1) as usize));
+        let sampled: HashSet<u32> = paths.into_iter().step_by(step).collect();
+        let shown = |slot: &SlotView| match &chosen {
+            Some(path) => path.contains(&slot.slot),
+            None => step == 1 || sampled.contains(&first(slot)),
+        };
         let slots: Vec<SlotView> = vpls.slots().filter(shown).collect();
         let valid = || slots.iter().filter(|slot| slot.state == SlotState::Valid);
         let brightest = vpls.slots().map(|slot| luminance(slot.flux)).fold(f32::MIN_POSITIVE, f32::max);

@@ -85,6 +85,20 @@ pub struct SetPush {
     pub view: u32,
     /// For a view: pixels from one texel of the set that this frame renders to the next.
     pub rendered_step: u32,
+    /// What becomes of pixels that no set saw, in shaders/estimators/vpls/irradiance_upsampling.comp.
+    pub holes: Holes,
+}
+
+/// What an upsampling does with pixels that no set saw.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Holes(u32);
+
+impl Holes {
+    /// Leaves them to other sets.
+    pub const LEAVE: Self = Self(1);
+    /// Fills what other sets have left, and nothing else.
+    pub const FILL: Self = Self(2);
 }
 
 /// The set that a frame renders.
@@ -279,7 +293,8 @@ mod tests {
             scale_missing,
             total_flux,
             view,
-            rendered_step
+            rendered_step,
+            holes
         );
     }
 }

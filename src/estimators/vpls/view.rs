@@ -101,6 +101,9 @@ pub struct VplDebugView {
     /// Draw VPLs as points and their paths as lines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vpl_paths: Option<PathStyle>,
+    /// Draw at most this many of the paths, evenly chosen; none: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_sample: Option<u32>,
     /// Show the light and the path of the VPL in this slot alone, as bright as if all VPLs were like it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub single_vpl: Option<u32>,
