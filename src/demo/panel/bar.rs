@@ -22,6 +22,8 @@ const QUALITIES: [(Preset, &str); 3] = [
 /// Size of a scene's picture in the menu, and width of the menu, points.
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
+/// Width of a menu of methods, points.
+const METHOD: f32 = 64.0;
 /// Width of all that the bar holds, points.
 const FULL: f32 = 1275.0;
 /// Height of a row and of the margins, points.
@@ -151,7 +153,11 @@ fn method<Method: ValueEnum + PartialEq>(
     (name, what): (&str, &str),
     chosen: &mut Method,
 ) {
-    let combo = ComboBox::from_id_salt(name).selected_text(name_of(chosen)).width(64.0);
+    // A menu does not wrap by itself.
+    if ui.available_size_before_wrap().x < METHOD {
+        ui.end_row();
+    }
+    let combo = ComboBox::from_id_salt(name).selected_text(name_of(chosen)).width(METHOD);
     let menu = combo.show_ui(ui, |ui| {
         for method in Method::value_variants() {
             let label = ui.selectable_value(chosen, method.clone(), name_of(method));
