@@ -163,6 +163,7 @@ def parsed(arguments):
 def main():
     root = Path(sys.argv[1])
     options = parsed(sys.argv[2:])
+    options.root = root
     unknown = set(options.only or []) - set(CLAIMS)
     if unknown:
         sys.exit(f"reproduce: error: --only {', '.join(unknown)}: no such claim; known are {', '.join(CLAIMS)}")

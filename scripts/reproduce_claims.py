@@ -1,5 +1,6 @@
 """The claims of scripts/reproduce: what each says, how it is measured, and the bounds by which its verdict follows from the figures."""
 
+import json
 import math
 import random
 import statistics
@@ -386,6 +387,12 @@ def m_rays(lab):
     return Found({"HPSF": hpsf, "nHPSF": nhpsf}, *holds(max(hpsf + nhpsf) <= 4, "more"))
 
 
-@claim("m-albedo", "M: keeping the albedo apart is stabler", "4.1", "nothing")
+@claim("m-albedo", "M: keeping the albedo apart is stabler", "4.1",
+       "the figures of `scripts/study-path-space albedo`: change from frame to frame over the mean light, filtered together and apart")
 def m_albedo(lab):
-    return Found({}, "not testable", "all filters here share irradiance; none filters radiance with the albedo inside")
+    file = lab.options.root / "docs" / "path-space" / "albedo.json"
+    if not file.is_file():
+        return Found({}, "not testable", "`scripts/study-path-space albedo` has not run")
+    rows = json.loads(file.read_text())["rows"].values()
+    together, apart = ([row[name]["flicker"] for row in rows] for name in ["together", "apart"])
+    return Found({"together": together, "apart": apart}, *holds(mean(apart) < mean(together), "both change alike"))

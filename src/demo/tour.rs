@@ -8,11 +8,12 @@ use image::{Rgb, RgbImage};
 
 use super::DemoError;
 use super::action::Action;
-use super::compare::Comparison;
+use super::compare::{Comparison, Wanted};
 use super::live_metrics::Shot;
 use super::session::Session;
 use super::split::{Right, RightSide, Split};
 use super::undo::Undo;
+use crate::bench::Method;
 use crate::estimators::vpls::{PathStyle, VplDebugView};
 use crate::output::OutputFile;
 use crate::renderer::DebugView;
@@ -24,6 +25,8 @@ use crate::settings::{Denoise, EffectSettings, Indirect, PathFilter, Settings, V
 const STOP: f64 = 10.0;
 /// Longest step, seconds: what waits for the device misses no act.
 const LONGEST_STEP: f64 = 1.0;
+/// Numbers of temporal sets that are measured.
+const FEW_SETS: [u32; 3] = [1, 4, 16];
 /// VPLs whose paths are shown.
 const FEW: u32 = 128;
 /// Pictures of the contact sheet beside each other.
@@ -67,8 +70,8 @@ const STOPS: [Stop; 11] = [
         sway: [4.0, 1.0],
     },
     Stop {
-        caption: "What temporal sets gain, measured: frames per second of T = 1, 4, 8, 16 and 32 at this resolution, and how far \
-                  their pictures are from those of T = 1. F3 does so for any view.",
+        caption: "What temporal sets gain, measured: frames per second of T = 1, 4 and 16 at this resolution, and how far their \
+                  pictures are from those of T = 1. F3 does so for any view.",
         acts: &[(0.0, Act::Compare(true))],
         sway: [0.0, 1.0],
     },
@@ -269,7 +272,8 @@ impl Tour {
             Act::Paths(shown) => {
                 let mut view = session.renderer.view().clone();
                 view.change_options(|options: &mut VplDebugView| {
-                    options.vpl_paths = shown.then(PathStyle::default)
+                    options.vpl_paths = shown.then(PathStyle::default);
+                    options.path_sample = Some(FEW);
                 });
                 Action::View(Box::new(view))
             }
@@ -287,7 +291,9 @@ impl Tour {
                 right.paths.filter = PathFilter::Cache;
                 Action::Split(Some(RightSide::Settings(Box::new(right))))
             }
-            Act::Compare(true) => Action::ToggleCompare,
+            Act::Compare(true) => Action::Compare(
+                Method::list("vpls").ok().map(|methods| Wanted { sets: FEW_SETS.to_vec(), methods }),
+            ),
             Act::Compare(false) => Action::Compare(None),
             Act::Join => Action::Split(None),
         }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::DemoError;
 use super::action::Action;
 use super::app::Open;
+use super::panel::PathsState;
 use super::recorder::Recording;
 use super::split::{Right, RightSide, Split};
 use super::tour::{Before, Tour};
@@ -12,9 +13,6 @@ use crate::estimators;
 use crate::estimators::vpls::{SlotState, VplDebugView, Vpls};
 use crate::renderer::DebugView;
 use crate::settings::Settings;
-
-/// VPL paths that are shown at first: few enough to be told apart.
-const FEW_PATHS: u32 = 128;
 
 impl Open {
     /// Executes the actions that choose what is shown.
@@ -32,10 +30,10 @@ impl Open {
             Action::StepVpl(by) => self.step_vpl(by)?,
             Action::AllVpls => self.change_vpl_view(|view| view.single_vpl = None)?,
             Action::TogglePaths => {
-                let style = self.panel.paths.style;
+                let PathsState { style, sample } = self.panel.paths;
                 self.change_vpl_view(|view| {
                     view.vpl_paths = if view.vpl_paths.is_some() { None } else { Some(style) };
-                    view.path_sample.get_or_insert(FEW_PATHS);
+                    view.path_sample = sample;
                 })?;
             }
             Action::Flip => self.change_split(|split| split.at = if split.at > 0.5 { 0.0 } else { 1.0 }),
@@ -130,11 +128,14 @@ impl Open {
     }
 
     pub(super) fn view(&mut self, view: &DebugView) -> Result<(), DemoError> {
-        // The colours of paths are remembered while there are none.
-        let style = view.options::<VplDebugView>().vpl_paths;
-        self.panel.paths.style = style.unwrap_or(self.panel.paths.style);
+        // Paths that are hidden are remembered, and nothing of them makes the view another than the picture.
+        let mut view = view.clone();
+        view.change_options(|options: &mut VplDebugView| match options.vpl_paths {
+            Some(style) => self.panel.paths = PathsState { style, sample: options.path_sample },
+            None => options.path_sample = None,
+        });
         match &mut self.session {
-            Some(session) => Ok(session.renderer.set_view(view)?),
+            Some(session) => Ok(session.renderer.set_view(&view)?),
             None => Ok(()),
         }
     }

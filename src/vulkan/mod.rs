@@ -55,6 +55,7 @@ pub mod shaders {
 
 pub use acceleration::{BottomLevel, PlacedStructure, TopLevel, TriangleRun};
 pub use access::Access;
+#[doc(no_inline)]
 pub use ash::vk;
 pub use device::Device;
 pub use draw::{DrawList, Targets};

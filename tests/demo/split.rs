@@ -119,6 +119,8 @@ fn edits_and_settings_are_taken_back_and_made_again() {
     for _ in 0..edits {
         demo.key_for("ctrl+shift+z", "redo");
     }
+    // Each state has its selection, with an outline.
+    demo.key_for("Escape", "select");
     assert!(settled(&mut demo) == end, "the end has not come back");
     demo.discard_and_close();
 }

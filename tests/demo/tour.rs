@@ -12,6 +12,10 @@ fn the_tour_shows_eleven_stops_and_leaves_a_contact_sheet() {
     let Some(server) = XServer::open() else { return };
     let arguments = ["--tour", "--contact-sheet=tour.png", "--size=320x180", "--vpls=64", "--validate"];
     let mut demo = Demo::start(&server, &arguments);
+    // The comparison takes as long as it takes, but the window goes on.
+    while demo.events().iter().filter(|event| event["event"] == "tour-stop").count() < 11 {
+        demo.frames(1);
+    }
     demo.wait("the end", |event| event["event"] == "closed");
     let events = demo.events().to_vec();
     let captions: Vec<String> = events

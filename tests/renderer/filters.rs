@@ -287,3 +287,55 @@ fn light_that_is_switched_off_is_forgotten_and_reruns_are_the_same() {
         assert!(run() == (before, after), "{filter:?}: another run has other bits");
     }
 }
+
+/// 2,000 frames of flight to random places need no more cells than the first ones and no more memory, and leave nothing behind.
+#[test]
+fn a_long_flight_needs_no_more_cells_and_leaves_no_light() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let settings = Settings { size: [24; 2], ..by(PathFilter::Cache, CellSettings::default()) };
+    let home = scene.pose(0.0);
+    let rest = |renderer: &mut Renderer| {
+        let mut sum = 0.0;
+        for frame in 0..96 {
+            renderer.render(&home).unwrap();
+            if frame >= 32 {
+                sum += mean_light(&irradiance(renderer)) / 64.0;
+            }
+        }
+        sum
+    };
+    let mut renderer = gpu.renderer(&scene, &settings, &home);
+    let fresh = rest(&mut renderer);
+    let radius = home.camera.eye.distance(home.camera.target);
+    let mut number = 0_u32;
+    let mut place = || {
+        number += 1;
+        let offset = Vec3::from_array([0, 1, 2].map(|axis| sobol_burley::sample(number, axis, 2019)));
+        0.8 * radius * (offset - Vec3::splat(0.5))
+    };
+    let (mut from, mut to) = (Vec3::ZERO, place());
+    gpu.device.restart_memory_peak();
+    let mut most = [0; 2];
+    let mut memory = [0; 2];
+    for frame in 0..2000_u32 {
+        if frame % 40 == 0 {
+            (from, to) = (to, place());
+        }
+        let offset = from.lerp(to, (frame % 40) as f32 / 40.0);
+        let mut pose = home.clone();
+        pose.camera = Camera { eye: home.camera.eye + offset, ..home.camera };
+        renderer.render(&pose).unwrap();
+        let half = (frame / 1000) as usize;
+        for report in renderer.take_reports() {
+            most[half] = most[half].max(report.figures.counters.get("cells.occupied"));
+        }
+        memory[half] = gpu.device.memory_peak();
+    }
+    println!("at most {most:?} cells, {memory:?} bytes");
+    assert!(most[0] > 100 && most[1] * 10 <= most[0] * 11, "at most {most:?} cells");
+    assert_eq!(memory[0], memory[1]);
+    let left = rest(&mut renderer) / fresh;
+    println!("{left} of a fresh start");
+    assert!((left - 1.0).abs() < 0.02, "{left} of a fresh start");
+}

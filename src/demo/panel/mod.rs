@@ -39,6 +39,7 @@ use super::session::{Selected, Session};
 use super::split::Split;
 
 pub(super) use scene::{Purpose, is_map};
+pub(super) use vpls::PathsState;
 
 /// A scene that is loaded sooner needs no word.
 const SOON: Duration = Duration::from_millis(500);
@@ -70,7 +71,7 @@ pub(super) struct PanelState {
     pub scene: scene::SceneState,
     split: split::SplitState,
     pub compare: compare::CompareState,
-    pub paths: vpls::PathsState,
+    pub paths: PathsState,
     pub places: Places,
     /// The speed of flight, and since when it is shown.
     speed: Option<(String, Instant)>,

@@ -13,10 +13,19 @@ use crate::estimators::vpls::{
 use crate::renderer::DebugView;
 use crate::scene::luminance;
 
+/// VPL paths that are shown at first: few enough to be told apart.
+const FEW_PATHS: u32 = 128;
+
 /// What is remembered of paths while they are hidden.
-#[derive(Default)]
 pub(in crate::demo) struct PathsState {
     pub style: PathStyle,
+    pub sample: Option<u32>,
+}
+
+impl Default for PathsState {
+    fn default() -> Self {
+        Self { style: PathStyle::default(), sample: Some(FEW_PATHS) }
+    }
 }
 
 /// The options of the views, where VPLs are the method.
@@ -29,7 +38,7 @@ pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session,
         if shows_a_set {
             set(ui, options, session.settings.vpl.temporal_sets);
         }
-        paths(ui, options, session.settings.vpl.pool_size().max(1));
+        paths(ui, options, session.settings.vpl.pool_size().max(1), actions);
         single(ui, options, actions);
     });
 }
@@ -56,7 +65,7 @@ fn set(ui: &mut Ui, view: &mut VplDebugView, sets: u32) {
     });
 }
 
-fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32) {
+fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let mut on = view.vpl_paths.is_some();
         if ui
@@ -64,7 +73,7 @@ fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32) {
             .on_hover_text("VPLs as points, their paths as lines (P)")
             .changed()
         {
-            view.vpl_paths = on.then(PathStyle::default);
+            actions.push(Action::TogglePaths);
         }
         let mut style = view.vpl_paths.unwrap_or_default();
         ComboBox::from_id_salt("paths").selected_text(style.label()).show_ui(ui, |ui| {
