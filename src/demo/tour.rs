@@ -13,7 +13,6 @@ use super::live_metrics::Shot;
 use super::session::Session;
 use super::split::{Right, RightSide, Split};
 use super::undo::Undo;
-use crate::bench::Method;
 use crate::estimators::vpls::{PathStyle, VplDebugView};
 use crate::output::OutputFile;
 use crate::renderer::DebugView;
@@ -292,7 +291,7 @@ impl Tour {
                 Action::Split(Some(RightSide::Settings(Box::new(right))))
             }
             Act::Compare(true) => Action::Compare(
-                Method::list("vpls").ok().map(|methods| Wanted { sets: FEW_SETS.to_vec(), methods }),
+                "vpls".parse().ok().map(|vpls| Wanted { sets: FEW_SETS.to_vec(), methods: vec![vpls] }),
             ),
             Act::Compare(false) => Action::Compare(None),
             Act::Join => Action::Split(None),
