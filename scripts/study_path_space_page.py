@@ -107,7 +107,8 @@ Meijer's nHPSF looks too bright against pictures of fewer bounces; against all b
 MEASURED = """## The thesis's figures, with errors
 
 Irradiance of still views at {size}, one indirect bounce, no denoiser; {device} ({driver}, commit {commit}). HDR-FLIP after 1, 16 and 32 frames against the path
-tracer's of one bounce / of all; the rest after 32: RMSE over the reference's of all bounces, SSIM, and the mean over that of one bounce / of all.
+tracer's of one bounce / of all; the rest after 32: RMSE over the reference's of all bounces, SSIM, and the mean over that of one bounce / of all. Cells
+of 16 px are ten times as wide in the scene here as at 1080p, so blur and filled shadows are those of cells that nobody would choose there.
 
 - **shadows**: mean where the reference has less than half of the light around, over the reference's: 1 keeps shadows, more fills them.
 - **blocks**: gradients where the cell changes over those elsewhere on a surface: 1 shows no blocks.
