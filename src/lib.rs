@@ -28,7 +28,7 @@
 //! The folder `examples` has more: without a window (`offscreen`), in a window of winit (`window`), a method of one's own
 //! (`estimator`), methods side by side (`compare`). Settings by name, as on the command line: [`settings::Settings::from_table`].
 //!
-//! Features, all on by default: `window` ([`demo`]), `bench` ([`mod@bench`], comparisons and plots), `export` ([`mod@export`]). The library
+//! Features, all on by default: `window` ([`demo`], with `bench`), `bench` ([`mod@bench`], comparisons and plots), `export` ([`mod@export`]). The library
 //! alone is `default-features = false`. Rust 1.95 or newer, which is what its dependencies need; Vulkan 1.3 at run time.
 //!
 //! Modules, from the bottom up (imports run downwards only):
@@ -86,7 +86,7 @@ mod memory;
 pub mod metrics;
 pub mod output;
 pub mod passes;
-#[cfg(any(feature = "window", feature = "bench"))]
+#[cfg(feature = "bench")]
 pub mod plot;
 pub mod reference;
 pub mod renderer;
