@@ -97,8 +97,9 @@ def figure(value):
     """A mean with its standard deviation over the seeds."""
     if not isinstance(value, list):
         return str(value)
-    spread = statistics.stdev(value) if len(value) > 1 else 0
-    return f"{statistics.fmean(value):.3g} ± {spread:.1g}"
+    if len(value) == 1:
+        return f"{value[0]:.3g}"
+    return f"{statistics.fmean(value):.3g} ± {statistics.stdev(value):.1g}"
 
 
 def page(results):

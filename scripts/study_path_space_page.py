@@ -156,6 +156,9 @@ nhpsf and cache trace one more ray a path, a-nhpsf two more than these a pixel. 
 three vertices some 70 B of atomics on cells that mostly lie in a cache: 0.6 ms and some 50 million atomics at 500 GB/s; resolving half a million slots reads
 20 MB, 0.04 ms. Meijer measured 1.5 ms for writing 1080p on an RTX 2080 Ti. A reverse pass over the vertices of a path within a frame would need a
 synchronization of the whole picture for each vertex but the last; reading the last frame's map needs none. No GPU has been measured.
+
+VPLs do not read the cache for the light that their bounded geometry term lacks: `bias_compensation`, which finds it by a short ray and one light there, takes 1.4 % of a frame
+of VPLs in sponza and .6 % in classroom (320x180, defaults, the same device); filling and resolving a map for it would cost more than it could save.
 """
 
 
