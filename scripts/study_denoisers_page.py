@@ -58,14 +58,14 @@ RMSE of display luminance by the number of frames since each surface came into v
 STATIC = """## Nothing moves
 
 Mean absolute change of display luminance from frame to frame, over the last 10 of 60 frames from a fresh start, before still frames are averaged
-(`--still-frames 0`); Flatval 2020 has .0054 for SVGF and .0011 for BMFR. By default, the picture goes over to the mean of all frames and freezes.
+(`--still-frames 0`; commit {commit}); Flatval 2020 has .0054 for SVGF and .0011 for BMFR. By default, the picture goes over to the mean of all frames and freezes.
 
 {table}
 """
 
 FEATURES = """## Features of BMFR
 
-RMSE of display luminance / HDR-FLIP / milliseconds of the fit, by number of features: the first of
+RMSE of display luminance / HDR-FLIP / milliseconds of the fit, by number of features (commit {commit}{note}): the first of
 `{features}`.
 
 {table}
@@ -149,8 +149,9 @@ def ages_of(row):
 
 def static(figures):
     scenes = list(figures["rows"])
-    rows = [[name, *(format(figures["rows"][scene].get(name, float("nan")), ".4f") for scene in scenes)] for name in METHODS]
-    return STATIC.format(table=table(["method", *scenes], rows))
+    measured = [name for name in METHODS if any(name in row for row in figures["rows"].values())]
+    rows = [[name, *(format(figures["rows"][scene][name], ".4f") if name in figures["rows"][scene] else "" for scene in scenes)] for name in measured]
+    return STATIC.format(commit=figures["commit"], table=table(["method", *scenes], rows))
 
 
 def features(figures):
@@ -161,7 +162,7 @@ def features(figures):
         return f"{row['luminance_rmse']:.4f} / {row['flip']:.3f} / {row['fit_ms']:.1f}" if row else ""
 
     rows = [[str(count), *(cell(scene, count) for scene in scenes)] for count in FEATURE_COUNTS]
-    return FEATURES.format(features=", ".join(figures["features"]), table=table(["features", *scenes], rows))
+    return FEATURES.format(commit=figures["commit"], note=figures.get("note", ""), features=", ".join(figures["features"]), table=table(["features", *scenes], rows))
 
 
 def search(figures):
