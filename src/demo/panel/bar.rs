@@ -22,8 +22,6 @@ const QUALITIES: [(Preset, &str); 3] = [
 /// Size of a scene's picture in the menu, and width of the menu, points.
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
-/// Width of a menu of methods, points.
-const METHOD: f32 = 64.0;
 /// Width of all that the bar holds, points.
 const FULL: f32 = 1275.0;
 /// Height of a row and of the margins, points.
@@ -100,8 +98,7 @@ fn rate(ui: &mut Ui, shown: &Shown<'_>) {
 /// A menu with a picture of each scene; what lacks its models says so.
 fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let name = shown.session.map_or("none", |session| session.name.as_str());
-    let combo =
-        ComboBox::from_id_salt("scene").selected_text(short(name)).width(120.0).height(600.0).truncate();
+    let combo = menu(ui, "scene", short(name), 120.0).height(600.0).truncate();
     let menu = combo.show_ui(ui, |ui| {
         ui.set_min_width(MENU);
         for scene in state.thumbnails.scenes(ui.ctx(), shown.assets) {
@@ -129,6 +126,14 @@ fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut 
     place(ui, &mut state.places, "scenes", &menu.response);
 }
 
+/// A menu in the next row where this one has no room for it: it does not wrap by itself.
+fn menu(ui: &mut Ui, name: &str, chosen: &str, width: f32) -> ComboBox {
+    if ui.available_size_before_wrap().x < width {
+        ui.end_row();
+    }
+    ComboBox::from_id_salt(name).selected_text(chosen).width(width)
+}
+
 fn methods(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
     ui.separator();
     let indirect = settings.indirect;
@@ -153,12 +158,7 @@ fn method<Method: ValueEnum + PartialEq>(
     (name, what): (&str, &str),
     chosen: &mut Method,
 ) {
-    // A menu does not wrap by itself.
-    if ui.available_size_before_wrap().x < METHOD {
-        ui.end_row();
-    }
-    let combo = ComboBox::from_id_salt(name).selected_text(name_of(chosen)).width(METHOD);
-    let menu = combo.show_ui(ui, |ui| {
+    let menu = menu(ui, name, &name_of(chosen), 64.0).show_ui(ui, |ui| {
         for method in Method::value_variants() {
             let label = ui.selectable_value(chosen, method.clone(), name_of(method));
             place(ui, places, &format!("{name} {}", name_of(method)), &label);
