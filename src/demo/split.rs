@@ -139,6 +139,14 @@ impl Split {
         Ok(())
     }
 
+    /// Whether no frame of the right side would differ from the last one. The reference goes on by itself.
+    pub fn is_frozen(&self) -> bool {
+        match &self.right {
+            Right::Renderer(other) => other.renderer.is_frozen(),
+            Right::Reference(_) => true,
+        }
+    }
+
     /// The right side's picture for the whole window; none where the reference has no picture yet.
     pub fn right_shot(&self) -> Result<Option<Shot>, DemoError> {
         Ok(match &self.right {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::action::Action;
 use super::app::Open;
 use super::recorder::Recording;
-use super::split::Right;
+use super::split::{Right, Split};
 use crate::settings::Settings;
 use crate::vulkan::Viewport;
 
@@ -50,7 +50,8 @@ impl Open {
 
     /// Whether no frame would differ from the last one: a scene is loaded, or the picture is frozen.
     pub fn is_calm(&self) -> bool {
-        let is_frozen = self.session.as_ref().is_none_or(|session| session.renderer.is_frozen());
+        let is_frozen = self.session.as_ref().is_none_or(|session| session.renderer.is_frozen())
+            && self.split.as_ref().is_none_or(Split::is_frozen);
         let waits = self.actions.is_empty() && self.saving.is_empty() && self.resized.is_none();
         is_frozen && waits && self.tour.is_none() && !self.egui.egui_ctx().has_requested_repaint()
     }
