@@ -22,6 +22,9 @@ layout(push_constant) uniform Push {
 // Standard deviations around the mean of the 3x3 pixels in which history is kept.
 const float REACH = 1.0;
 
+// What stands out from a plane by this share of its inverse depth is before an edge.
+const float EDGE = 0.02;
+
 bool inside(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(frame.size))); }
 
 bool is_finite(vec4 light) { return !any(isnan(light)) && !any(isinf(light)); }
@@ -31,29 +34,41 @@ vec4 radiance_of(ivec2 pixel) {
     return is_finite(light) ? min(light, MOST_HALF) : vec4(0.0);
 }
 
-// How far what is nearest around the pixel has moved: edges move with what is before them.
+// 1 / depth; 0 for the environment, which is infinitely far away. Over a plane it is linear in the pixels.
+float inverse_depth(ivec2 pixel) {
+    float depth = inside(pixel) ? imageLoad(gbuffer_depth, pixel).r : 0.0;
+    return depth > 0.0 ? 1.0 / depth : 0.0;
+}
+
+// How far what is seen at the pixel has moved, or at an edge what is before it: edges move with what is nearer. On a plane that is
+// slanted, the nearest of the pixels around has another motion, and that of the pixel counts.
 vec2 motion_at(ivec2 pixel) {
-    ivec2 nearest = pixel;
-    float least = 1e30;
+    ivec2 at = pixel;
+    float own = inverse_depth(pixel);
+    float nearest = own;
     for (int i = 0; i < 9; i++) {
-        ivec2 at = pixel + ivec2(i % 3, i / 3) - 1;
-        float depth = inside(at) ? imageLoad(gbuffer_depth, at).r : 0.0;
-        if (depth > 0.0 && depth < least) {
-            least = depth;
-            nearest = at;
+        ivec2 offset = ivec2(i % 3, i / 3) - 1;
+        float near = inverse_depth(pixel + offset);
+        float plane = 2.0 * own - inverse_depth(pixel - offset);
+        if (near > nearest && near > plane + EDGE * own) {
+            nearest = near;
+            at = pixel + offset;
         }
     }
-    if (least < 1e30) return texelFetch(gbuffer_motion, nearest, 0).xy;
-    // The environment is infinitely far away.
+    if (nearest > 0.0) return texelFetch(gbuffer_motion, at, 0).xy;
     vec3 then = (frame.previous_view_projection * vec4(pixel_ray(vec2(pixel)), 0.0)).xyw;
     if (then.z <= 0.0) return vec2(frame.size);
     return vec2(pixel) + 0.5 + frame.jitter - (then.xy / then.z * 0.5 + 0.5) * vec2(frame.size);
 }
 
-// Catmull and Rom's cubic weights of four texels in a row.
+// Weights of four texels in a row by cubic convolution (Keys 1981). At a slope of -1/2, Catmull and Rom's, ten frames of motion lose
+// more contrast than a step beyond it restores.
+const float SLOPE = -0.75;
+
 vec4 cubic_weights(float t) {
     float u = 1.0 - t;
-    return vec4(-0.5 * t * u * u, 1.0 + t * t * (1.5 * t - 2.5), 1.0 + u * u * (1.5 * u - 2.5), -0.5 * u * t * t);
+    vec2 middle = 1.0 + vec2(t * t, u * u) * ((SLOPE + 2.0) * vec2(t, u) - (SLOPE + 3.0));
+    return vec4(SLOPE * t * u * u, middle, SLOPE * u * t * t);
 }
 
 // Interpolated without blur: bilinear history loses contrast in each frame of motion. The two middle texels of a row have positive

@@ -10,8 +10,8 @@ use crate::passes::clock::{ClockInputs, FrameClock};
 use crate::scene::{Camera, Pose};
 use crate::settings::{Antialiasing, Direct};
 
-/// Where positions within the pixel are averaged, textures are sharper than the pixel by so much (a mip bias; Karis 2014).
-const JITTERED_FOOTPRINT: f32 = 0.8;
+/// Where positions within the pixel are averaged, textures are sharper than the pixel by so much: a mip bias of -1 (Karis 2014).
+const JITTERED_FOOTPRINT: f32 = 0.5;
 
 /// What a frame is rendered with.
 pub(super) struct FrameSetup {
