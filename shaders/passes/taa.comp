@@ -61,8 +61,8 @@ vec2 motion_at(ivec2 pixel) {
     return vec2(pixel) + 0.5 + frame.jitter - (then.xy / then.z * 0.5 + 0.5) * vec2(frame.size);
 }
 
-// Weights of four texels in a row by cubic convolution (Keys 1981). At a slope of -1/2, Catmull and Rom's, ten frames of motion lose
-// more contrast than a step beyond it restores.
+// Weights of four texels in a row by cubic convolution (Keys 1981), sharper than at a slope of -1/2, Catmull and Rom's: what moves is
+// interpolated anew in each of ten frames and more.
 const float SLOPE = -0.75;
 
 vec4 cubic_weights(float t) {

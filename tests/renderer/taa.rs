@@ -147,6 +147,39 @@ fn textures_keep_their_contrast_while_the_camera_moves() {
     }
 }
 
+/// The chart as a floor over which the camera flies: what is nearer moves faster, in each pixel by another distance.
+#[test]
+fn a_floor_stays_where_it_is_while_the_camera_flies() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = chart(folder.path());
+    let at = |frame: u32| {
+        let mut pose = scene.pose(0.0);
+        let along = Vec3::X * (0.02 * frame as f32);
+        pose.camera = Camera {
+            up: Vec3::Z,
+            vertical_fov: 45f32.to_radians(),
+            ..Camera::looking(Vec3::new(-1.6, 0.0, 0.4) + along, Vec3::new(-0.6, 0.0, 0.0) + along)
+        };
+        pose
+    };
+    let mut renderer = gpu.renderer(&scene, &direct_only(Antialiasing::Taa), &at(0));
+    (0..=30).for_each(|frame| renderer.render(&at(frame)).unwrap());
+    let [ours, expected] = [colour(&renderer), supersampled(&gpu, &scene, &at(30))];
+    // The rows near the camera, by which the stripes would have to move for the least error.
+    let [width, height] = SIZE.map(|side| side as usize);
+    let error = |rows: isize| {
+        let places = (height / 2 + 4..height - 4).flat_map(|y| (16..width - 16).map(move |x| y * width + x));
+        let moved = |at: usize| ours[at.strict_add_signed(rows * width as isize)][1];
+        mean(places.map(|at| (moved(at) - expected[at][1]).powi(2)))
+    };
+    let [before, here, after] = [-1, 0, 1].map(error);
+    // Where the parabola through the three errors is least.
+    let shift = 0.5 * (before - after) / (before - 2.0 * here + after);
+    eprintln!("errors {before}, {here}, {after}: {shift} rows off");
+    assert!(shift.abs() < 0.05, "{shift} rows off");
+}
+
 #[test]
 fn a_moving_box_leaves_no_trail() {
     let Some(gpu) = GpuFixture::open() else { return };
