@@ -43,7 +43,7 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
     let changes: [(&str, Change); 9] = [
         ("more sets", |settings| settings.vpl.temporal_sets = 7),
         ("one set", |settings| settings.vpl.temporal_sets = 1),
-        ("VPLs", |settings| settings.vpl.slots = 160),
+        ("VPLs", |settings| settings.vpl.slots = 700),
         ("bounces", |settings| settings.bounces = 4),
         ("interleave", |settings| settings.vpl.interleave = 3),
         ("clamp, cut-off, exposure", |settings| {

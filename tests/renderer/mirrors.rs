@@ -262,7 +262,7 @@ fn panes_reflect_what_is_in_front_of_them() {
             ..Settings::default()
         };
         let drawn = gpu.rendered(&scene, &settings, 330).read_picture(true).unwrap().colour;
-        let reference = reference(&scene, SIZE, settings.bounces, 512).colour;
+        let reference = reference(&scene, SIZE, settings.bounces, 1024).colour;
         for (what, columns) in [("nothing", 30..48), ("a mirror", 53..62)] {
             let of = |picture: &[[f32; 3]]| {
                 let place = |at: &usize| columns.contains(&(at % 96)) && (18..30).contains(&(at / 96));

@@ -171,7 +171,7 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
     let pane = ("sun behind a pane".to_owned(), format!("{}\n{PANE}", sun(4)));
     for (what, light) in suns.into_iter().chain(others).chain([pane]) {
         let scene = yard(&light);
-        assert_agree(&what, &mean_of_rays(&gpu, &scene), &expected_direct(&scene, 256));
+        assert_agree(&what, &mean_of_rays(&gpu, &scene), &expected_direct(&scene, 512));
     }
 }
 

@@ -121,7 +121,7 @@ fn every_lobe_gets_the_light_of_suns_once() {
             ..plain()
         };
         let drawn = gpu.rendered(&scene, &settings, 330).read_picture(true).unwrap();
-        let expected = reference(&scene, SIZE, settings.bounces, 1024);
+        let expected = reference(&scene, SIZE, settings.bounces, 2048);
         let most = 20.0;
         assert_agree(&format!("roughness {roughness}"), &drawn.colour, &expected.colour, most);
         let seen = |pixels: &[[f32; 3]]| pixels.iter().filter(|pixel| luminance(pixel) > most).count();
