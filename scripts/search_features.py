@@ -1,7 +1,7 @@
 """The program of scripts/search-features: greedy search of BMFR's features (Flatval 2020, section 4.4) over data sets of several scenes.
 
-The cost of a list is the mean over the scenes, and over two metrics of denoised frames against the path tracer's: HDR-FLIP, and
-what VMAF lacks of 100, each divided by that of the constant feature alone. The pool has what Flatval's has (components of normal n and position w, their products and roots) and distance,
+The cost of a list is the mean HDR-FLIP of denoised frames against the path tracer's, over the scenes, each divided by that of the
+constant feature alone. The pool has what Flatval's has (components of normal n and position w, their products and roots) and distance,
 roughness and albedo; whole vectors are added as one in a search of their own. Each step adds the candidate that lowers the cost most.
 Candidates are tried in the order of what they brought before, until one brings more than the next one ever did (lazy evaluation).
 """
@@ -9,18 +9,12 @@ Candidates are tried in the order of what they brought before, until one brings 
 import heapq
 import json
 import shutil
-import subprocess
-import tempfile
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import OpenEXR
-from PIL import Image
 
 import study_denoisers
 import study_denoisers_page
-import study_pictures
 import study_quality
 
 SIZE = "160x90"
@@ -41,11 +35,9 @@ TURN = 35
 class Search:
     def __init__(self, study):
         self.study = study
-        # Errors by scene and list, kept in the cache: a search that was broken off goes on.
-        self.file = study.cache / "features-known.json"
-        self.known = json.loads(self.file.read_text()) if self.file.exists() else {}
+        self.known = {}
         self.sets = {scene: self.dataset(scene) for scene in study.chosen(study_denoisers.CAMERAS)}
-        self.stops = {scene: self.show_reference(scene) for scene in self.sets}
+        self.constant = {scene: self.flip(scene, ["1"]) for scene in self.sets}
 
     def dataset(self, scene):
         """The folder of the scene's data set, written once."""
@@ -77,38 +69,20 @@ class Search:
         (folder / "camera_matrices.h").write_text(turned_matrices(text, turn))
         return folder
 
-    def show_reference(self, scene):
-        """Writes the reference as PNGs, which VMAF reads. Returns the stops at which it and what is compared with it are shown."""
-        folder = self.sets[scene]
-        stops = study_pictures.exposure(study_pictures.first_layer(folder / f"reference{FRAMES // 2}.exr"))
-        show(folder, "reference", folder / "reference-shown", stops)
-        return stops
+    def flip_of(self, folder, features):
+        out = self.study.cache / "features-denoised"
+        shutil.rmtree(out, ignore_errors=True)
+        report = self.study.run("denoise", folder, "--layout", "bmfr", "--denoise", "bmfr", "--bmfr-features", ",".join(features), "--out", out)
+        return float(np.mean([frame["flip"] for frame in report["metrics"]["frames"][FIRST:]]))
 
-    def errors_of(self, scene, folder, features):
-        """HDR-FLIP and what VMAF lacks of 100: means over frames of a data set denoised by these features."""
-        with tempfile.TemporaryDirectory() as out:
-            report = self.study.run("denoise", folder, "--layout", "bmfr", "--denoise", "bmfr", "--bmfr-features", ",".join(features), "--out", out,
-                                    report=f"denoise-{scene}")
-            show(Path(out), "denoised", Path(out) / "shown", self.stops[scene])
-            vmaf = json.loads(subprocess.run([self.study.options.root / "scripts/vmaf", Path(out) / "shown", self.sets[scene] / "reference-shown"],
-                                             capture_output=True, check=True).stdout)["vmaf"]
-        return [float(np.mean([frame["flip"] for frame in report["metrics"]["frames"][FIRST:]])), 100 - vmaf]
-
-    def errors(self, scene, features):
-        key = " ".join([scene, *features])
+    def flip(self, scene, features):
+        key = (scene, *features)
         if key not in self.known:
-            self.known[key] = self.errors_of(scene, self.sets[scene], features)
+            self.known[key] = self.flip_of(self.sets[scene], features)
         return self.known[key]
 
-    def share(self, scene, errors):
-        """Errors over those of the constant alone."""
-        return float(np.mean(np.divide(errors, self.errors(scene, ["1"]))))
-
     def cost(self, scenes, features):
-        with ThreadPoolExecutor(2) as threads:
-            errors = list(threads.map(lambda scene: self.errors(scene, features), scenes))
-        self.file.write_text(json.dumps(self.known))
-        return float(np.mean([self.share(scene, found) for scene, found in zip(scenes, errors)]))
+        return float(np.mean([self.flip(scene, features) / self.constant[scene] for scene in scenes]))
 
     def greedy(self, scenes, pool):
         """The lists of the search by their length, each with its cost."""
@@ -131,14 +105,6 @@ class Search:
             steps.append({"features": list(chosen), "cost": cost})
             print(" ".join(scenes), f"{cost:.4f}", ",".join(chosen), flush=True)
         return steps
-
-
-def show(folder, name, out, stops):
-    """Writes the frames that are compared as PNGs."""
-    out.mkdir(exist_ok=True)
-    for frame in range(FIRST, FRAMES):
-        picture = study_pictures.first_layer(folder / f"{name}{frame}.exr")
-        Image.fromarray(study_pictures.display(picture, stops)).save(out / f"{frame:02}.png")
 
 
 def turned_matrices(text, turn):
@@ -168,11 +134,10 @@ def search(study):
         found["unseen"][scene] = {"features": features, "cost": of.cost([scene], features), "bmfr": of.cost([scene], BMFR)}
         study.keep("search", found)
     best = found["components"][-1]["features"]
-    found["errors"] = {name: [of.errors(scene, features) for scene in scenes] for name, features in [("bmfr", BMFR), ("found", best)]}
     found["turned"] = {}
     for name, features in [("bmfr", BMFR), ("found", best)]:
         for axis in range(3):
-            costs = [of.share(scene, of.errors_of(scene, of.turned(scene, axis), features)) for scene in scenes]
+            costs = [of.flip_of(of.turned(scene, axis), features) / of.constant[scene] for scene in scenes]
             found["turned"].setdefault(name, []).append(float(np.mean(costs)))
     study.keep("search", found)
 

@@ -73,10 +73,8 @@ RMSE of display luminance / HDR-FLIP / milliseconds of the fit, by number of fea
 
 SEARCH = """## Which features
 
-Greedy search by `scripts/search-features` over data sets of {names} at {size}, one path a pixel, against {spp}: the cost is the
-mean over the scenes, and over two metrics of denoised frames, HDR-FLIP and what VMAF lacks of 100, each over that of the constant alone. BMFR's ten cost {bmfr}.
-
-{errors}
+Greedy search by `scripts/search-features` over data sets of {names} at {size}, one path a pixel, against {spp}: the cost is HDR-FLIP of
+denoised frames over that of the constant alone, the mean of the scenes. BMFR's ten cost {bmfr}.
 
 By component:
 
@@ -177,9 +175,7 @@ def search(figures):
         [scene, f"{row['cost']:.3f}", f"{row['bmfr']:.3f}", "`" + ", ".join(row["features"]) + "`"] for scene, row in figures["unseen"].items()])
     turned = table(["features", "x", "y", "z"], [[name, *(f"{cost:.3f}" for cost in figures["turned"][key])]
                                                 for key, name in [("bmfr", "BMFR's ten"), ("found", "found by component")] if key in figures["turned"]])
-    errors = table(["HDR-FLIP / VMAF", *figures["scenes"]], [[name, *(f"{flip:.3f} / {100 - lack:.1f}" for flip, lack in figures["errors"][key])]
-                                                             for key, name in [("bmfr", "BMFR's ten"), ("found", "found by component")]])
-    return SEARCH.format(errors=errors, components=lines(figures["components"]), vectors=lines(figures["vectors"]), unseen=unseen, turned=turned,
+    return SEARCH.format(components=lines(figures["components"]), vectors=lines(figures["vectors"]), unseen=unseen, turned=turned,
                          names=", ".join(figures["scenes"]), **{key: figures[key] for key in ["size", "spp"]}, bmfr=f"{figures['bmfr']:.3f}")
 
 

@@ -44,9 +44,9 @@ class Study:
         self.rendered = self.cache / "rendered.exr"
         self.made = study_scenes.make(self.cache / "scenes")
 
-    def run(self, command, *arguments, report=None):
-        """The report of the command. What runs at the same time needs reports of different names."""
-        report = self.cache / f"{report or command}.json"
+    def run(self, command, *arguments):
+        """The report of the command."""
+        report = self.cache / f"{command}.json"
         done = subprocess.run([self.options.glowworm, command, *map(str, arguments), "--json", report],
                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         if done.returncode != 0:
