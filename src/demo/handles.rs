@@ -291,7 +291,7 @@ impl HandleDrag {
     /// The entry dragged to this ray.
     pub fn dragged(&self, ray: &Ray) -> Option<Entry> {
         let way = self.place(ray)? - self.start;
-        if way.abs() < 1e-6 * self.reach {
+        if way.abs() < f32::EPSILON {
             // A click is no edit.
             return Some(self.original.clone());
         }
