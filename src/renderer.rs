@@ -102,6 +102,8 @@ pub struct Renderer {
     still: u32,
     /// Whether a frozen picture is to be shown otherwise.
     redraws: bool,
+    /// See [`Self::drawn_frame`].
+    drawn_frame: u64,
     /// Those that the renderers drew whose place it took.
     frames_before: u64,
 
@@ -167,6 +169,7 @@ impl Renderer {
             clock: Clock::new(pose),
             still: 0,
             redraws: false,
+            drawn_frame: 0,
             frames_before: 0,
             scene,
             bvh,
@@ -288,6 +291,7 @@ impl Renderer {
     /// The frame's work on the CPU, while the device draws the frame before.
     fn update(&mut self, pose: &Pose, clock: &FrameClock) -> Pending {
         let begun = Instant::now();
+        self.drawn_frame = self.frames_before + clock.frame;
         self.bvh.update(&pose.instances);
         let soft = self.resolved.direct != Direct::Hard;
         self.gpu_scene.update_lights(&self.scene, pose, soft);
@@ -295,13 +299,7 @@ impl Renderer {
         cpu_ms.extend(self.estimator.update(World { scene: &self.scene, pose, bvh: &self.bvh }, clock));
         let method = estimators::method(&self.resolved);
         let counters = self.estimator.counters();
-        Pending {
-            frame: self.frames_before + clock.frame,
-            still: clock.still_frames(),
-            method,
-            cpu_ms,
-            counters,
-        }
+        Pending { frame: self.drawn_frame, still: clock.still_frames(), method, cpu_ms, counters }
     }
 
     /// A frame that leaves the frozen picture as it is, and runs nothing.
@@ -322,6 +320,11 @@ impl Renderer {
     /// Whether the picture of the last frame stays as long as nothing changes.
     pub fn is_frozen(&self) -> bool {
         self.still > 0 && self.still == self.resolved.still_frames
+    }
+
+    /// The frame that drew the picture: the last one, unless that is frozen.
+    pub fn drawn_frame(&self) -> u64 {
+        self.drawn_frame
     }
 
     /// How long building the BVH took, milliseconds.

@@ -14,6 +14,7 @@ const BOUNCES: estimators::Axis = estimators::Axis {
     divides_work: false,
     get: |settings| settings.bounces,
     set: |settings, bounces| settings.bounces = bounces.clamp(1, 16),
+    fewer_texels: None,
 };
 
 /// The method or a setting, which can be swept.
@@ -100,14 +101,14 @@ impl Axis {
         match self {
             Self::Method => run.method.to_string(),
             Self::Size => run.settings.size.map(|side| side.to_string()).join("x"),
-            Self::Number(axis) => (axis.get)(&run.settings).to_string(),
+            Self::Number(axis) => axis.text(&run.settings),
         }
     }
 
     /// Its value of `run` as a phrase.
     pub fn phrase(self, run: &Run) -> String {
         match self {
-            Self::Number(axis) => axis.phrase((axis.get)(&run.settings)),
+            Self::Number(axis) => axis.phrase((axis.get)(&run.settings)) + axis.note(&run.settings),
             _ => self.text(run),
         }
     }

@@ -42,7 +42,8 @@ pub struct Sweep {
 }
 
 impl Plan {
-    /// The runs of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest.
+    /// The runs of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest. Work
+    /// that is not divided is measured at the resolution of divided work, too.
     ///
     /// # Errors
     /// If a combination is invalid.
@@ -51,27 +52,28 @@ impl Plan {
         scene_settings: &toml::Table,
     ) -> Result<Vec<(Method, Settings)>, SettingsError> {
         if self.sweep.methods.is_empty() {
-            let all = self.combinations_of(scene_settings, &toml::Table::new())?;
+            let all = self.combinations_of(scene_settings, None)?;
             return Ok(all.into_iter().map(|settings| (Method::of(&settings), settings)).collect());
         }
         let mut combinations = Vec::new();
         for method in &self.sweep.methods {
-            let all = self.combinations_of(scene_settings, method.settings())?;
+            let all = self.combinations_of(scene_settings, Some(method))?;
             combinations.extend(all.into_iter().map(|settings| (method.clone(), settings)));
         }
         Ok(combinations)
     }
 
-    /// Every combination of the swept settings, except of those that `fixed` states or its estimator knows nothing of.
+    /// Every combination of the swept settings, except of those that the method states or knows nothing of.
     fn combinations_of(
         &self,
         scene_settings: &toml::Table,
-        fixed: &toml::Table,
+        method: Option<&Method>,
     ) -> Result<Vec<Settings>, SettingsError> {
+        let fixed = method.map(Method::settings).cloned().unwrap_or_default();
         let mut own = self.settings.clone();
         own.extend(fixed.clone());
         let mut tables = vec![own];
-        let is_swept = |axis: &Axis| !fixed.contains_key(axis.key()) && axis.concerns(fixed);
+        let is_swept = |axis: &Axis| !fixed.contains_key(axis.key()) && axis.concerns(&fixed);
         for axis in Axis::all().into_iter().rev().filter(is_swept) {
             let Some(values) = self.sweep.settings.get(axis.key()) else { continue };
             let with = |table: &Table| {
@@ -85,7 +87,21 @@ impl Plan {
             tables = tables.iter().flat_map(with).collect();
         }
         let resolved = |own: Table| Settings::resolve(scene_settings, &own.into());
-        tables.into_iter().map(resolved).collect()
+        let all = tables.into_iter().map(resolved).collect::<Result<Vec<_>, _>>()?;
+        if method.is_some_and(|method| method.samples().is_some()) {
+            return Ok(all);
+        }
+        let compares =
+            |axis: &Axis| self.sweep.settings.get(axis.key()).is_some_and(|values| values.len() > 1);
+        let fewer = Axis::all().into_iter().filter(is_swept).filter(compares).find_map(|axis| match axis {
+            Axis::Number(axis) => axis.fewer_texels,
+            _ => None,
+        });
+        let with_fewer = |settings: Settings| {
+            let with_fewer = fewer.and_then(|fewer| (fewer.of)(&settings));
+            std::iter::once(settings).chain(with_fewer)
+        };
+        Ok(all.into_iter().flat_map(with_fewer).collect())
     }
 
     /// The option in which `other` differs, if any.
@@ -110,6 +126,7 @@ impl Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::SetResolution;
 
     fn plan() -> Plan {
         Plan {
@@ -135,9 +152,13 @@ mod tests {
         let combinations = plan().combinations(&toml::toml! { budget = 3 bounces = 5 vpls = 9 }).unwrap();
         let values: Vec<_> = combinations
             .iter()
-            .map(|(_, s)| (s.vpl.slots, s.vpl.temporal_sets, s.bounces, s.vpl.budget))
+            .map(|(_, s)| (s.vpl.slots, s.vpl.temporal_sets, s.vpl.set_resolution, s.bounces, s.vpl.budget))
             .collect();
-        assert_eq!(values, [(16, 1, 5, 7), (16, 4, 5, 7), (64, 1, 5, 7), (64, 4, 5, 7)]);
+        let expected = [16, 64].map(|vpls| {
+            [(1, SetResolution::Auto), (1, SetResolution::Half), (4, SetResolution::Auto)]
+                .map(|(sets, resolution)| (vpls, sets, resolution, 5, 7))
+        });
+        assert_eq!(values, expected.concat());
         assert!(
             combinations.iter().all(|(_, settings)| settings.size == [8, 4] && settings.vpl.interleave == 4)
         );
@@ -154,7 +175,7 @@ mod tests {
             let found = combinations.iter().filter(|(method, _)| method.name() == name);
             found.map(|(_, s)| (s.vpl.slots, s.vpl.temporal_sets)).collect::<Vec<_>>()
         };
-        let all = [(16, 1), (16, 4), (64, 1), (64, 4)];
+        let all = [(16, 1), (16, 1), (16, 4), (64, 1), (64, 1), (64, 4)];
         assert_eq!((of("vpls"), of("vpls@T=2@vpls=8")), (all.into(), vec![(8, 2)]));
         assert_eq!((of("reference@4").len(), of("none").len()), (4, 1));
     }

@@ -176,7 +176,8 @@ fn speed_up(grid: &Grid<'_>, noise: &Noise) -> Option<Table> {
     let ones: Vec<f64> = grid.rows.iter().filter_map(|row| undivided_ms(grid, row, noise)).collect();
     let note = format!(
         "Median frame time at {one} over that at each value. Where --interleave is more than 1, several sets have half the \
-         resolution in each direction and one set has all of it: part of the speed-up comes from that."
+         resolution in each direction and one set has all of it: part of the speed-up comes from that. (half): one set at \
+         half the resolution, so that the quotient of two columns is what several sets gain by themselves."
     );
     let cell = |run: &Run| {
         let row = grid.rows.iter().find(|row| row.runs.iter().flatten().any(|other| other.is_same(run)))?;

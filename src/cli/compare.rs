@@ -24,7 +24,7 @@ error. FLIP of .exr is HDR-FLIP. A name with {frame} or {frame:04} stands for a 
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true, after_help = HELP)]
 pub(super) struct CompareArguments {
-    /// Picture to compare: .png or .exr.
+    /// Picture to compare: .png, .exr or .hdr.
     pub image: PathBuf,
     /// Reference: a picture of the same size and kind; for a sequence, also a single picture for all frames.
     pub reference: PathBuf,

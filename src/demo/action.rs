@@ -7,6 +7,7 @@ use winit::keyboard::{KeyCode, ModifiersState};
 
 use super::compare::Wanted;
 use super::edit::NewObject;
+use super::handles::Mode;
 use super::session::Selected;
 use super::split::RightSide;
 use crate::formats::{EnvironmentEntry, InstanceEntry, LightEntry, MaterialEdit};
@@ -91,8 +92,8 @@ pub enum Action {
     ToggleInspector,
     /// Selects a light or an instance, or nothing.
     Select(Option<Selected>),
-    /// Toggles between move and rotate handles.
-    ToggleHandles,
+    /// Sets the kind of handles; none: the next one.
+    Handles(Option<Mode>),
     /// Changes a light.
     EditLight(usize, Box<LightEntry>),
     /// Changes an instance.
@@ -105,6 +106,8 @@ pub enum Action {
     OpenMap(PathBuf),
     /// Opens the file dialog to choose that.
     AskMap,
+    /// Opens the file dialog to choose a picture for the right side of the divider.
+    AskPicture,
     /// Adds a light in view of the camera.
     AddLight(LightType),
     /// Adds an object in view of the camera.
@@ -195,7 +198,9 @@ pub(super) const BINDINGS: &[Binding] = &[
         NONE,
         || Action::ToggleInspector,
     ),
-    bind("T", "switch between move and rotate handles", KeyCode::KeyT, NONE, || Action::ToggleHandles),
+    bind("T", "handles to move, rotate or scale: the next kind", KeyCode::KeyT, NONE, || {
+        Action::Handles(None)
+    }),
     bind("Esc", "clear the selection", KeyCode::Escape, NONE, || Action::Select(None)),
     bind("H", "attach the selected light to the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),
     bind("Ctrl+D", "duplicate the selected light or object", KeyCode::KeyD, CONTROL, || Action::Duplicate),
@@ -218,7 +223,7 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("Wheel", "fly slower, faster"),
     ("Ctrl+Wheel", "zoom out, in"),
     ("Click", "select an object or a light"),
-    ("Left drag", "a handle: move or rotate the selection"),
+    ("Left drag", "a handle: move, rotate or scale the selection"),
     ("Right drag", "look around"),
     ("Middle drag", "orbit around the point under the pointer"),
     ("Ctrl+1 … 9", "store a camera bookmark"),

@@ -21,13 +21,13 @@ use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
 use super::log::Log;
-use super::panel::{self, PanelState, Places, is_map};
+use super::panel::{self, PanelState, Places, is_map, is_picture};
 use super::pointer::Pointer;
 use super::recorder::Recording;
 use super::resolution::Resolution;
 use super::screenshot::Saving;
 use super::session::Session;
-use super::split::Split;
+use super::split::{RightSide, Split};
 use super::tour::Tour;
 use super::undo::Press;
 use super::{DemoError, Launch};
@@ -213,9 +213,15 @@ impl App {
     }
 }
 
-/// The action for a dropped file.
-fn action_of_file(path: PathBuf) -> Action {
-    if is_map(&path) { Action::OpenMap(path) } else { Action::Open(path.to_string_lossy().into_owned()) }
+/// The action for a dropped file: a picture goes right of the divider, if there is one or nothing else can be made of it.
+fn action_of_file(path: PathBuf, is_divided: bool) -> Action {
+    if is_map(&path) && !is_divided {
+        Action::OpenMap(path)
+    } else if is_picture(&path) {
+        Action::Split(Some(RightSide::Picture(path)))
+    } else {
+        Action::Open(path.to_string_lossy().into_owned())
+    }
 }
 
 /// An egui context that accepts slow clicks: at a few frames per second every press is slow.
@@ -296,7 +302,7 @@ impl ApplicationHandler for App {
                 open.wheel(notches);
             }
             WindowEvent::DroppedFile(path) => {
-                open.actions.push(action_of_file(path));
+                open.actions.push(action_of_file(path, open.split.is_some()));
             }
             _ => {}
         }

@@ -174,6 +174,10 @@ impl Open {
                     return Ok(());
                 }
                 session.renderer.set_view(&view)?;
+                // The new renderer counts its frames anew.
+                if let Some(split) = &mut self.split {
+                    split.metrics.forget();
+                }
                 match &mut self.recording {
                     Recording::On(recorder) => recorder.renewed(session),
                     Recording::Waiting => self.recording = Recording::On(Box::new(Recorder::new(session))),
@@ -305,7 +309,7 @@ impl Open {
         self.inspector.refresh(session)?;
         let camera = self.flight.camera(&session.live_scene.pose(self.clock.time).camera);
         let pace = self.clock.exposure_pace();
-        let turns = self.split.as_mut().map_or([true; 2], |split| split.turns(&session.report));
+        let turns = self.split.as_mut().map_or([true; 2], |split| split.turns(session));
         // A recording has every frame of the left side.
         let [left, right] = if matches!(self.recording, Recording::Off) { turns } else { [true; 2] };
         session.go_to_time(self.clock.time, camera);

@@ -1,13 +1,17 @@
-//! Manipulation handles: arrows to move the selection, rings to rotate it, and light markers.
+//! Manipulation handles: arrows to move the selection, rings to rotate it, bars to scale it, and light markers.
 //!
 //! In: the session and the pointer. Out: the handle under the pointer, and the selected entry after a drag.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
+use serde::Serialize;
 
+use super::placing::{
+    moved_instance, moved_light, scaled_instance, scaled_light, turned_instance, turned_light,
+};
 use super::session::{Selected, Session};
 use crate::bvh::Ray;
-use crate::formats::{AxisAngle, InstanceEntry, LightEntry, RotationEntry};
+use crate::formats::{InstanceEntry, LightEntry};
 use crate::scene::LightKind;
 
 /// Length of arrows and radius of rings, as a fraction of the picture's height at the pivot.
@@ -20,12 +24,33 @@ const COLOURS: [Color32; 3] =
     [Color32::from_rgb(240, 80, 80), Color32::from_rgb(90, 210, 90), Color32::from_rgb(90, 140, 255)];
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
-/// Mode of the handles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Mode {
+/// Kind of the handles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Arrows.
     #[default]
     Move,
+    /// Rings.
     Turn,
+    /// Bars, all for the same: one factor for all axes.
+    Scale,
+}
+
+impl Mode {
+    /// All kinds, in the order in which they follow each other.
+    pub const ALL: [Self; 3] = [Self::Move, Self::Turn, Self::Scale];
+
+    /// A word for people.
+    pub fn label(self) -> &'static str {
+        ["move", "turn", "scale"][self as usize]
+    }
+
+    /// The kind after this one.
+    #[must_use]
+    pub fn next(self) -> Self {
+        Self::ALL[(self as usize + 1) % Self::ALL.len()]
+    }
 }
 
 /// A drag of a handle.
@@ -34,6 +59,8 @@ pub(super) struct HandleDrag {
     mode: Mode,
     axis: Vec3,
     pivot: Vec3,
+    /// Length of the handle, scene units.
+    reach: f32,
     /// Position along the axis, or angle about it, at the start of the drag.
     start: f32,
     original: Entry,
@@ -70,7 +97,7 @@ impl Projector {
 /// Polyline of one axis' handle, world space.
 fn lines(mode: Mode, pivot: Vec3, axis: Vec3, reach: f32) -> Vec<Vec3> {
     match mode {
-        Mode::Move => vec![pivot, pivot + axis * reach],
+        Mode::Move | Mode::Scale => vec![pivot, pivot + axis * reach],
         Mode::Turn => {
             let side = axis.yzx() * reach;
             let corner = |i: usize| {
@@ -108,12 +135,19 @@ pub(super) fn paint(ui: &Ui, session: &Session, viewport: Rect, mode: Mode) {
         let points: Option<Vec<Pos2>> =
             lines(mode, pivot, axis, reach).into_iter().map(|point| projector.point(point)).collect();
         let Some(points) = points else { continue };
-        if mode == Mode::Move
-            && let [from, to] = points[..]
-        {
-            painter.arrow(from, to - from, Stroke::new(2.5, colour));
-        } else {
-            painter.line(points, Stroke::new(2.0, colour));
+        match (mode, &points[..]) {
+            (Mode::Move, &[from, to]) => painter.arrow(from, to - from, Stroke::new(2.5, colour)),
+            (Mode::Scale, &[from, to]) => {
+                painter.line_segment([from, to], Stroke::new(2.0, Color32::LIGHT_GRAY));
+                painter.rect_filled(
+                    Rect::from_center_size(to, egui::Vec2::splat(9.0)),
+                    0.0,
+                    Color32::LIGHT_GRAY,
+                );
+            }
+            _ => {
+                painter.line(points, Stroke::new(2.0, colour));
+            }
         }
     }
 }
@@ -228,7 +262,7 @@ impl HandleDrag {
             }
             Selected::Light(index) => Entry::Light(index, session.document.lights().nth(index)?.clone()),
         };
-        let drag = Self { mode, axis: nearest, pivot, start: 0.0, original };
+        let drag = Self { mode, axis: nearest, pivot, reach, start: 0.0, original };
         let share = (at - viewport.min) / viewport.size();
         let ray = session.ray(Vec2::new(share.x, share.y));
         let start = drag.place(&ray).filter(|_| distance(nearest) < GRIP)?;
@@ -240,7 +274,7 @@ impl HandleDrag {
         let direction = ray.direction.normalize();
         let along = direction.dot(self.axis);
         match self.mode {
-            Mode::Move => {
+            Mode::Move | Mode::Scale => {
                 let off = ray.origin - self.pivot;
                 let square = 1.0 - along * along;
                 (square > 1e-4).then(|| (off.dot(self.axis) - off.dot(direction) * along) / square)
@@ -257,6 +291,12 @@ impl HandleDrag {
     /// The entry dragged to this ray.
     pub fn dragged(&self, ray: &Ray) -> Option<Entry> {
         let way = self.place(ray)? - self.start;
+        if way.abs() < f32::EPSILON {
+            // A click is no edit.
+            return Some(self.original.clone());
+        }
+        // As much larger by a length of the handle outwards as smaller by one inwards.
+        let factor = (way / self.reach).clamp(-8.0, 8.0).exp2();
         Some(match (&self.original, self.mode) {
             (Entry::Instance(index, entry), Mode::Move) => {
                 Entry::Instance(*index, moved_instance(entry, self.axis * way))
@@ -270,6 +310,10 @@ impl HandleDrag {
             (Entry::Light(index, entry), Mode::Turn) => {
                 Entry::Light(*index, turned_light(entry, Quat::from_axis_angle(self.axis, way)))
             }
+            (Entry::Instance(index, entry), Mode::Scale) => {
+                Entry::Instance(*index, scaled_instance(entry, factor))
+            }
+            (Entry::Light(index, entry), Mode::Scale) => Entry::Light(*index, scaled_light(entry, factor)),
         })
     }
 }
@@ -280,56 +324,10 @@ fn distance_to(at: Pos2, from: Pos2, to: Pos2) -> f32 {
     (off - line * t).length()
 }
 
-fn plus(place: [f32; 3], way: Vec3) -> [f32; 3] {
-    (Vec3::from_array(place) + way).to_array()
-}
-
-/// An instance translated by `way`.
-pub(super) fn moved_instance(entry: &InstanceEntry, way: Vec3) -> InstanceEntry {
-    InstanceEntry { translation: Some(plus(entry.translation.unwrap_or_default(), way)), ..entry.clone() }
-}
-
-fn turned_instance(entry: &InstanceEntry, axis: Vec3, angle: f32) -> InstanceEntry {
-    let now = match entry.rotation {
-        None => Quat::IDENTITY,
-        Some(RotationEntry::Euler(degrees)) => {
-            let [x, y, z] = degrees.map(f32::to_radians);
-            Quat::from_euler(glam::EulerRot::XYZEx, x, y, z)
-        }
-        Some(RotationEntry::AxisAngle(turn)) => Quat::from_axis_angle(
-            Vec3::from_array(turn.axis).normalize_or(Vec3::Y),
-            turn.degrees.to_radians(),
-        ),
-    };
-    let (axis, angle) = (Quat::from_axis_angle(axis, angle) * now).normalize().to_axis_angle();
-    let turn = AxisAngle { axis: axis.to_array(), degrees: angle.to_degrees() };
-    InstanceEntry { rotation: Some(RotationEntry::AxisAngle(turn)), ..entry.clone() }
-}
-
-/// A light translated by `way`.
-pub(super) fn moved_light(entry: &LightEntry, way: Vec3) -> LightEntry {
-    LightEntry {
-        position: entry.position.map(|position| plus(position, way)),
-        polygon: entry.polygon.map(|polygon| polygon.map(|corner| plus(corner, way))),
-        ..entry.clone()
-    }
-}
-
-fn turned_light(entry: &LightEntry, turn: Quat) -> LightEntry {
-    let about_middle = |polygon: [[f32; 3]; 4]| {
-        let middle = polygon.into_iter().map(Vec3::from_array).sum::<Vec3>() / 4.0;
-        polygon.map(|corner| (middle + turn * (Vec3::from_array(corner) - middle)).to_array())
-    };
-    LightEntry {
-        direction: entry.direction.map(|direction| (turn * Vec3::from_array(direction)).to_array()),
-        polygon: entry.polygon.map(about_middle),
-        ..entry.clone()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::ScaleEntry;
     use crate::scene::LightType;
 
     fn drag(mode: Mode, axis: Vec3) -> HandleDrag {
@@ -339,7 +337,7 @@ mod tests {
             ..LightEntry::of(LightType::Spot)
         };
         let pivot = Vec3::new(1.0, 2.0, 3.0);
-        HandleDrag { mode, axis, pivot, start: 0.0, original: Entry::Light(0, light) }
+        HandleDrag { mode, axis, pivot, reach: 2.0, start: 0.0, original: Entry::Light(0, light) }
     }
 
     fn ray_to(target: Vec3) -> Ray {
@@ -365,11 +363,20 @@ mod tests {
     }
 
     #[test]
-    fn turns_of_an_instance_add_up() {
-        let text = "model = \"m\"\nrotation = [0, 90, 0]";
-        let entry: InstanceEntry = toml::from_str(text).unwrap();
-        let turned = turned_instance(&entry, Vec3::Y, 30f32.to_radians());
-        let Some(RotationEntry::AxisAngle(turn)) = turned.rotation else { panic!() };
-        assert!(Vec3::from_array(turn.axis).distance(Vec3::Y) < 1e-5 && (turn.degrees - 120.0).abs() < 1e-3);
+    fn a_handle_s_length_outwards_doubles() {
+        let scaled = |text: &str, way: f32| {
+            let entry: InstanceEntry = toml::from_str(&format!("model = \"m\"\n{text}")).unwrap();
+            let mut drag = HandleDrag { original: Entry::Instance(0, entry), ..drag(Mode::Scale, Vec3::X) };
+            drag.start = drag.place(&ray_to(drag.pivot + Vec3::X)).unwrap();
+            let target = drag.pivot + Vec3::X * (1.0 + way * drag.reach);
+            match drag.dragged(&ray_to(target)) {
+                Some(Entry::Instance(_, InstanceEntry { scale: Some(scale), .. })) => scale,
+                other => panic!("{other:?}"),
+            }
+        };
+        let ScaleEntry::Uniform(factor) = scaled("", 1.0) else { panic!() };
+        assert!((factor - 2.0).abs() < 1e-3, "{factor}");
+        let ScaleEntry::PerAxis(factors) = scaled("scale = [4, 2, 1]", -1.0) else { panic!() };
+        assert!(Vec3::from(factors).distance(Vec3::new(2.0, 1.0, 0.5)) < 1e-3, "{factors:?}");
     }
 }

@@ -21,7 +21,7 @@ const INTERVAL: Duration = Duration::from_millis(250);
 
 /// A picture as far as it is.
 pub(super) struct Progress {
-    pub shot: Shot,
+    pub shot: Arc<Shot>,
     /// Samples a pixel.
     pub samples: u64,
     /// Standard error over the mean luminance.
@@ -131,7 +131,7 @@ fn trace(key: &Key, stop: &AtomicBool, sender: &Sender<Progress>) {
         let mut picture = film.picture();
         tone_map(&mut picture, (&key.settings).into(), film.metered());
         let error = film.standard_error().map(|error| error / film.mean_luminance());
-        let shot = Shot { size: key.settings.size, pixels: picture.display };
+        let shot = Arc::new(Shot { size: key.settings.size, pixels: picture.display });
         let progress = Progress { shot, samples: film.samples(), error, elapsed: begun.elapsed() };
         if sender.send(progress).is_err() {
             return;
@@ -147,7 +147,7 @@ mod tests {
 
     /// Root mean square error of display values.
     fn rmse(ours: &Shot, reference: &Shot) -> f64 {
-        let image = |shot: &Shot| shot.clone().image("shot").unwrap();
+        let image = |shot: &Shot| shot.image("shot").unwrap();
         compare(&image(ours), &image(reference), &CompareOptions::default()).unwrap().metrics.rmse
     }
 

@@ -9,6 +9,7 @@ mod clock;
 mod command;
 mod compare;
 mod edit;
+mod file_picture;
 mod flight;
 mod frame;
 mod gpu;
@@ -22,6 +23,7 @@ mod log;
 mod mouse;
 mod panel;
 mod perform;
+mod placing;
 mod pointer;
 mod recorder;
 mod resolution;
@@ -39,6 +41,7 @@ use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
 use crate::formats::SceneError;
+use crate::metrics::MetricsError;
 use crate::output::OutputError;
 use crate::renderer::RenderError;
 use crate::settings::{GivenSettings, SettingsError};
@@ -112,6 +115,9 @@ pub enum DemoError {
         /// What is wrong.
         error: SettingsError,
     },
+    /// A picture cannot be read.
+    #[error(transparent)]
+    Picture(#[from] MetricsError),
     /// The log cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),

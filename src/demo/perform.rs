@@ -9,9 +9,9 @@ use super::action::Action;
 use super::app::{App, Open, slow_click_context};
 use super::edit::{free_name, free_place, new_light};
 use super::gpu::Gpu;
-use super::handles::{Mode, moved_instance, moved_light};
 use super::loader::{Edited, LoadRequest};
 use super::panel::Purpose;
+use super::placing::{moved_instance, moved_light};
 use super::recorder::Recording;
 use super::resolution::COARSEST;
 use super::screenshot::{self, SavedScene, Saving};
@@ -155,9 +155,7 @@ impl Open {
                     session.selected = selected;
                 }
             }
-            Action::ToggleHandles => {
-                self.mode = if self.mode == Mode::Move { Mode::Turn } else { Mode::Move }
-            }
+            Action::Handles(mode) => self.mode = mode.unwrap_or(self.mode.next()),
             Action::EditLight(index, entry) => self.edit(|session| session.set_light(index, *entry)),
             Action::EditInstance(index, entry) => self.edit(|session| session.set_instance(index, *entry)),
             Action::EditMaterial(edit) => self.edit(|session| session.set_material(*edit)),
@@ -169,6 +167,7 @@ impl Open {
                 self.edit(|session| session.set_map(path));
             }
             Action::AskMap => self.panel.scene.ask_for(Purpose::Map, ""),
+            Action::AskPicture => self.panel.scene.ask_for(Purpose::Picture, ""),
             Action::AddObject(object) => self.edit(|session| session.add_object(object)),
             Action::AskModel => self.panel.scene.ask_for(Purpose::Model, ""),
             Action::AddLight(kind) => self.edit(|session| session.add_light(new_light(session, kind))),

@@ -1,13 +1,15 @@
-//! The divided window: right of the divider the same world by other settings, or the reference.
+//! The divided window: right of the divider the same world by other settings, the reference, or the picture of a file.
 //!
 //! Two methods take turns: each gets half of the time, so that the faster one draws more frames, and each shows the world as it
 //! was when it drew. Where both are compared, they draw the same moment.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::Serialize;
 
 use super::DemoError;
+use super::file_picture::FilePicture;
 use super::live_metrics::{LiveMetrics, Logged, Shot};
 use super::live_reference::LiveReference;
 use super::session::Session;
@@ -28,6 +30,8 @@ pub enum RightSide {
     Settings(Box<Settings>),
     /// The path tracer's picture, as long as nothing moves.
     Reference,
+    /// The picture of a file.
+    Picture(PathBuf),
 }
 
 /// The divided window.
@@ -48,6 +52,7 @@ pub(super) struct Split {
 pub(super) enum Right {
     Renderer(Box<Other>),
     Reference(Box<LiveReference>),
+    Picture(Box<FilePicture>),
 }
 
 /// Another renderer of the session's world.
@@ -107,10 +112,10 @@ impl Split {
     }
 
     /// Which sides are to draw this frame, left and right: that which has had less time, or both where they are compared.
-    pub fn turns(&mut self, left: &FrameReport) -> [bool; 2] {
-        self.is_compared = self.metrics.is_due();
+    pub fn turns(&mut self, session: &Session) -> [bool; 2] {
+        self.is_compared = self.metrics.is_due(self.pair(session));
         let Right::Renderer(other) = &self.right else { return [true; 2] };
-        let costs = [left, &other.report].map(|report| report.figures.total_ms);
+        let costs = [&session.report, &other.report].map(|report| report.figures.total_ms);
         let less = usize::from(self.taken_ms[1] < self.taken_ms[0]);
         // Before the first reports, and where nothing moves, there is nothing to share.
         if self.is_compared || costs.contains(&0.0) {
@@ -130,38 +135,63 @@ impl Split {
             Right::Renderer(other) if is_turn => other.render(session, pace)?,
             Right::Renderer(_) => {}
             Right::Reference(reference) => reference.follow(session),
+            Right::Picture(picture) => {
+                picture.follow(&session.settings);
+                if !picture.is_whole() {
+                    self.metrics.forget();
+                    return Ok(());
+                }
+            }
         }
         if self.is_compared
             && let Some(right) = self.right_shot()?
         {
-            self.metrics.compare(session.shot()?, right);
+            self.metrics.compare(session.shot()?, right, self.pair(session));
         }
         Ok(())
     }
 
-    /// Whether no frame of the right side would differ from the last one. The reference goes on by itself.
+    /// Tells the pictures of both sides from those before.
+    fn pair(&self, session: &Session) -> [u64; 2] {
+        let right = match &self.right {
+            Right::Renderer(other) => other.renderer.drawn_frame(),
+            Right::Reference(reference) => reference.version,
+            Right::Picture(picture) => picture.version,
+        };
+        [session.renderer.drawn_frame(), right]
+    }
+
+    /// Whether no frame of the right side would differ from the last one. What the CPU draws goes on by itself.
     pub fn is_frozen(&self) -> bool {
         match &self.right {
             Right::Renderer(other) => other.renderer.is_frozen(),
-            Right::Reference(_) => true,
+            Right::Reference(_) | Right::Picture(_) => true,
         }
     }
 
     /// The right side's picture for the whole window; none where the reference has no picture yet.
-    pub fn right_shot(&self) -> Result<Option<Shot>, DemoError> {
-        Ok(match &self.right {
-            Right::Renderer(other) => {
-                Some(Shot { size: other.settings.size, pixels: other.renderer.read_display()? })
-            }
-            Right::Reference(reference) => reference.progress().map(|progress| progress.shot.clone()),
-        })
+    pub fn right_shot(&self) -> Result<Option<Arc<Shot>>, DemoError> {
+        if let Right::Renderer(other) = &self.right {
+            let shot = Shot { size: other.settings.size, pixels: other.renderer.read_display()? };
+            return Ok(Some(Arc::new(shot)));
+        }
+        Ok(self.right_of_cpu().cloned())
+    }
+
+    /// The right side's picture, if the CPU makes it.
+    pub fn right_of_cpu(&self) -> Option<&Arc<Shot>> {
+        match &self.right {
+            Right::Renderer(_) => None,
+            Right::Reference(reference) => reference.progress().map(|progress| &progress.shot),
+            Right::Picture(picture) => Some(&picture.shot),
+        }
     }
 
     /// A comparison for the log, once.
     pub fn take_log(&mut self) -> Option<Logged> {
         let samples = match &self.right {
             Right::Reference(reference) => reference.progress().map(|progress| progress.samples),
-            Right::Renderer(_) => None,
+            Right::Renderer(_) | Right::Picture(_) => None,
         };
         self.metrics.take_log(samples)
     }
@@ -173,8 +203,8 @@ impl Split {
             Right::Renderer(other) => {
                 vec![pane(&session.renderer, [0.0, self.at]), pane(&other.renderer, [self.at, 1.0])]
             }
-            // The interface draws the reference over the picture.
-            Right::Reference(_) => vec![pane(&session.renderer, [0.0, 1.0])],
+            // The interface draws pictures of the CPU over this one.
+            Right::Reference(_) | Right::Picture(_) => vec![pane(&session.renderer, [0.0, 1.0])],
         }
     }
 }
@@ -183,6 +213,7 @@ impl Right {
     fn new(device: &Arc<Device>, session: &mut Session, side: RightSide) -> Result<Self, DemoError> {
         Ok(match side {
             RightSide::Reference => Self::Reference(Box::default()),
+            RightSide::Picture(path) => Self::Picture(Box::new(FilePicture::open(path, &session.settings)?)),
             RightSide::Settings(settings) => {
                 let settings = Settings { size: session.settings.size, ..*settings };
                 let prepared = session.renderer.prepared();

@@ -202,7 +202,9 @@ impl Tour {
                 Some(progress) => format!("{} samples a pixel", progress.samples),
                 None => "waits for the first sample of each pixel".to_owned(),
             },
-            (_, None) => format!("{left}, {} still frames", session.renderer.still_frames()),
+            (_, Some(Right::Picture(_)) | None) => {
+                format!("{left}, {} still frames", session.renderer.still_frames())
+            }
         };
         format!("{}\n{width}x{height}: {below}", self.caption())
     }

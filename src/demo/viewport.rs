@@ -59,10 +59,9 @@ impl Open {
     /// Gives the picture as many pixels as keep the target rate, or all of them where there is none. Not while something else
     /// needs the machine, or a picture must keep its size.
     pub fn follow_rate(&mut self) {
-        let is_reference =
-            self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Reference(_)));
+        let is_still = self.split.as_ref().is_some_and(|split| !matches!(split.right, Right::Renderer(_)));
         let is_busy = self.loader.progress().is_some() || self.resized.is_some() || self.is_measuring();
-        let is_fixed = is_reference || !matches!(self.recording, Recording::Off);
+        let is_fixed = is_still || !matches!(self.recording, Recording::Off);
         let session = self.session.as_ref().filter(|_| self.resolution.automatic && !is_busy && !is_fixed);
         // Motion asks for a rate; what stands still, for every pixel.
         let session = session.filter(|session| session.renderer.still_frames() == 0);

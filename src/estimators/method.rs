@@ -60,9 +60,30 @@ pub struct Axis {
     pub get: fn(&Settings) -> u32,
     /// Sets it, as near to the value as its range and the other settings allow.
     pub set: fn(&mut Settings, u32),
+    /// How undivided work takes as few texels as divided work, where it takes more by itself.
+    pub fewer_texels: Option<FewerTexels>,
+}
+
+/// Undivided work with as few texels as divided work, so that what dividing gains is told from what fewer texels do.
+#[derive(Clone, Copy, Debug)]
+pub struct FewerTexels {
+    /// The settings with fewer texels; none where those given have as few, or divide the work.
+    pub of: fn(&Settings) -> Option<Settings>,
+    /// Whether settings are such.
+    pub are: fn(&Settings) -> bool,
 }
 
 impl Axis {
+    /// Its value, to be read.
+    pub fn text(&self, settings: &Settings) -> String {
+        (self.get)(settings).to_string() + self.note(settings)
+    }
+
+    /// What tells undivided work with fewer texels from other.
+    pub fn note(&self, settings: &Settings) -> &'static str {
+        if self.fewer_texels.is_some_and(|fewer| (fewer.are)(settings)) { " (half)" } else { "" }
+    }
+
     /// A value in the name of a run.
     pub fn phrase(&self, value: u32) -> String {
         let phrase = if value == 1 { self.phrase.trim_end_matches('s') } else { self.phrase };
@@ -131,7 +152,7 @@ impl Method {
     /// The short name of the method with `settings`: `vpls@T=16`.
     pub fn short_name(&self, settings: &Settings) -> String {
         let axes = self.axes.iter().filter_map(|axis| Some((axis.short?, axis)));
-        let stated = axes.map(|(short, axis)| format!("@{short}={}", (axis.get)(settings)));
+        let stated = axes.map(|(short, axis)| format!("@{short}={}", axis.text(settings)));
         self.name().to_owned() + &stated.collect::<String>()
     }
 }

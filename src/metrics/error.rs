@@ -8,7 +8,7 @@ use crate::output::OutputError;
 #[derive(Debug, thiserror::Error)]
 pub enum MetricsError {
     /// Not a supported file format.
-    #[error("{0}: neither a PNG nor an OpenEXR file")]
+    #[error("{0}: neither a PNG nor a Radiance HDR nor an OpenEXR file")]
     Foreign(PathBuf),
     /// Corrupt, truncated or an unsupported variant, for the decoder's reason.
     #[error("{0}: cannot be decoded: {1}")]
@@ -20,8 +20,8 @@ pub enum MetricsError {
     #[error("{0}: has no layer{1} with channels R, G and B, or Y; it has {2}")]
     NoColours(PathBuf, String, String),
     /// A layer requested of a format without layers.
-    #[error("{0}: a PNG has no layers; leave --layer and --reference-layer out")]
-    LayerOfPng(PathBuf),
+    #[error("{0}: only OpenEXR files have layers; leave --layer and --reference-layer out")]
+    NoLayers(PathBuf),
     /// A non-finite value: the pixel, its channel and the value.
     #[error("{0} has a {1} of {2}; only finite values can be compared")]
     NotFinite(String, &'static str, f32),
@@ -45,7 +45,7 @@ pub enum MetricsError {
         reference_size: [usize; 2],
     },
     /// A picture of display values against one of linear values.
-    #[error("{0} (PNG) holds display values, {1} (EXR) linear ones; compare PNG with PNG or EXR with EXR")]
+    #[error("{0} (PNG) holds display values, {1} linear ones; compare PNG with PNG or EXR with EXR")]
     Encoding(String, String),
     /// A sequence without pictures.
     #[error("{0}: there is no picture of this sequence; check the name")]
@@ -69,7 +69,7 @@ impl MetricsError {
     /// Whether the arguments are wrong, independent of the files' content.
     pub fn is_usage(&self) -> bool {
         match self {
-            Self::LayerOfPng(_) => true,
+            Self::NoLayers(_) => true,
             Self::Output(error) => error.is_usage(),
             _ => false,
         }

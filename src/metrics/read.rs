@@ -1,4 +1,4 @@
-//! Reads pictures: PNG as display values, OpenEXR as linear values. The signature determines the format.
+//! Reads pictures: PNG as display values, OpenEXR and Radiance HDR as linear values. The signature determines the format.
 //!
 //! In a PNG, grey becomes RGB, alpha and colour profiles are ignored; the values count as sRGB.
 
@@ -14,10 +14,11 @@ use crate::output::OutputError;
 use crate::untrusted::guarded;
 
 const PNG_MAGIC: &[u8] = &[0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
+const HDR_MAGIC: &[u8] = b"#?";
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
 impl Image {
-    /// Reads a `.png` (8 or 16 bits) or `.exr` (half, float or uint). `layer` names a layer of an EXR: a part, or the
+    /// Reads a `.png` (8 or 16 bits), `.hdr` or `.exr` (half, float or uint). `layer` names a layer of an EXR: a part, or the
     /// prefix of channels like `NAME.R`; by default the first layer with R, G and B, or with Y alone, which is grey.
     ///
     /// # Errors
@@ -40,21 +41,26 @@ impl Image {
             let layer = layer.map(|layer| format!(", layer {layer}")).unwrap_or_default();
             return Self::from_linear(name + &layer, size, pixels);
         }
-        if !bytes.starts_with(PNG_MAGIC) {
-            return Err(MetricsError::Foreign(path.to_path_buf()));
-        }
+        let format = match bytes {
+            _ if bytes.starts_with(PNG_MAGIC) => ImageFormat::Png,
+            _ if bytes.starts_with(HDR_MAGIC) => ImageFormat::Hdr,
+            _ => return Err(MetricsError::Foreign(path.to_path_buf())),
+        };
         if layer.is_some() {
-            return Err(MetricsError::LayerOfPng(path.to_path_buf()));
+            return Err(MetricsError::NoLayers(path.to_path_buf()));
         }
-        let (size, pixels) = read_png(path, bytes)?;
-        Self::from_display(name, size, pixels)
+        let (size, pixels) = read(path, bytes, format)?;
+        match format {
+            ImageFormat::Hdr => Self::from_linear(name, size, pixels),
+            _ => Self::from_display(name, size, pixels),
+        }
     }
 }
 
-/// Width and height, and pixels in [0, 1].
-fn read_png(path: &Path, bytes: &[u8]) -> Result<([usize; 2], Vec<[f32; 3]>), MetricsError> {
+/// Width and height, and pixels: of a PNG in [0, 1].
+fn read(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<([usize; 2], Vec<[f32; 3]>), MetricsError> {
     let decode_error = |error: image::ImageError| MetricsError::Decode(path.to_path_buf(), error.to_string());
-    let reader = || ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
+    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     let (width, height) = reader().into_dimensions().map_err(decode_error)?;
     let size = [width as usize, height as usize];
     check_size(path, size)?;

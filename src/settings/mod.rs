@@ -30,7 +30,7 @@ pub use options::{GivenDenoising, GivenSettings};
 pub use paths::{CellNormal, CellSettings, PathFilter, PathSettings};
 pub use preset::Preset;
 pub use svgf::{HistoryClamp, SvgfSettings};
-pub use vpls::{MissingSets, Sequence, VplSettings};
+pub use vpls::{MissingSets, Sequence, SetResolution, VplSettings};
 
 pub(crate) use options::parser_of;
 pub(crate) use registered::Registry;

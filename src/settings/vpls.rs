@@ -23,7 +23,18 @@ pub enum MissingSets {
     Dark,
 }
 
-choices!(Sequence, MissingSets);
+/// How many texels a set buffer has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SetResolution {
+    /// Half of the picture's in each direction where several sets share out the pixels and --interleave is more than 1; else all of it.
+    Auto,
+    /// One for each pixel.
+    Full,
+    /// One for each 2x2 pixels.
+    Half,
+}
+
+choices!(Sequence, MissingSets, SetResolution);
 
 settings! {
     /// Settings of `--indirect vpls`.
@@ -45,6 +56,8 @@ settings! {
     "interleave" interleave: u32 = 4, whole("N", 1, 8);
     /// Temporal sets T, at most the VPLs. More: T times fewer rays a frame, but T frames until a change is fully visible.
     "temporal_sets" temporal_sets: u32 = 16, whole("N", 1, 64);
+    /// Resolution of the set buffers. Half: a quarter of the rays of full, and softer edges of indirect light.
+    "set_resolution" set_resolution: SetResolution = SetResolution::Auto, choice::<SetResolution>();
     /// Most slots shot in one frame, each with its share of the pool. More: light follows changes faster, at more CPU time.
     "budget" budget: u32 = 64, whole("N", 1, u32::MAX);
     /// Temporal sets rendered again in a frame beyond the one whose turn it is, while much of the light has changed since they

@@ -32,7 +32,7 @@ fn plan() -> Plan {
             .into(),
         },
         // A picture that stands still is complete after many frames.
-        settings: toml::toml! { antialiasing = "none" reflections = "none" still_frames = 24 },
+        settings: toml::toml! { interleave = 1 antialiasing = "none" reflections = "none" still_frames = 24 },
     }
 }
 
@@ -120,8 +120,20 @@ fn another_plan_is_not_gone_on_with() {
 #[test]
 fn an_interrupted_program_keeps_what_it_has() {
     let run = Run::new();
-    let options =
-        ["--size", "16x8", "--vpls", "8", "--temporal-sets", "1,2", "--frames", "300", "--rounds", "3"];
+    let options = [
+        "--size",
+        "16x8",
+        "--vpls",
+        "8",
+        "--temporal-sets",
+        "1,2",
+        "--interleave",
+        "1",
+        "--frames",
+        "300",
+        "--rounds",
+        "3",
+    ];
     let mut child = Command::new(env!("CARGO_BIN_EXE_glowworm"))
         .args([&["bench", "cornell-box", "--out", "a"], &options[..]].concat())
         .current_dir(run.folder.path())

@@ -124,3 +124,36 @@ fn edits_and_settings_are_taken_back_and_made_again() {
     assert!(settled(&mut demo) == end, "the end has not come back");
     demo.discard_and_close();
 }
+
+#[test]
+fn a_picture_of_a_file_stands_right_of_the_divider() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(server) = XServer::open() else { return };
+    let mut demo = Demo::start(&server, &[&SMALL[..], &["--exposure=0"]].concat());
+    demo.key_for("space", "toggle-pause");
+    demo.settle();
+    let seen = demo.now();
+    demo.key_for("shift+F12", "screenshot");
+    let saved = demo.wait_after(seen, "a picture", |event| event["event"] == "saved");
+    let picture = demo.path(saved["details"].as_str().unwrap());
+
+    // Linear values get the tones of the left side.
+    demo.key_for("c", "toggle-split");
+    let seen = demo.now();
+    demo.drop_file(&picture);
+    demo.wait_after(seen, "the file", |event| !event["details"]["split"]["picture"].is_null());
+    metrics(&mut demo, "the picture on both sides", |details| number(&details["flip"]) < 2e-3);
+    demo.screen().keep("23-file");
+
+    // What stands still is compared once.
+    let seen = demo.now();
+    demo.settle();
+    assert!(demo.events()[seen..].iter().all(|event| event["event"] != "metrics"));
+
+    let broken = demo.path("broken.png");
+    std::fs::write(&broken, "no picture").unwrap();
+    demo.drop_file(&broken);
+    demo.wait_after(seen, "a notice", |event| !event["details"]["dismiss"].is_null());
+    demo.screen().keep("24-notice");
+    demo.close();
+}

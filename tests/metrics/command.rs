@@ -186,11 +186,11 @@ fn what_cannot_be_compared_is_one_line() {
     fs::write(run.path("cut.exr"), &exr[..exr.len() / 2]).unwrap();
     for (image, reference, says) in [
         ("wide.exr", "b.exr", &["wide.exr has 17x12 pixels, b.exr 16x12", "pixel (16, 12)"][..]),
-        ("a.png", "b.exr", &["a.png (PNG)", "b.exr (EXR)"]),
-        ("a.exr", "b.png", &["b.png (PNG)", "a.exr (EXR)"]),
+        ("a.png", "b.exr", &["a.png (PNG)", "b.exr linear"]),
+        ("a.exr", "b.png", &["b.png (PNG)", "a.exr linear"]),
         ("a.exr", "nan.exr", &["nan.exr: pixel (0, 0) has a red of NaN"]),
         ("missing.exr", "b.exr", &["missing.exr: cannot be read"]),
-        ("text.png", "b.png", &["text.png: neither a PNG nor an OpenEXR file"]),
+        ("text.png", "b.png", &["text.png: neither a PNG nor a Radiance HDR nor an OpenEXR file"]),
         ("cut.png", "b.png", &["cut.png: cannot be decoded"]),
         ("cut.exr", "b.exr", &["cut.exr: cannot be decoded"]),
     ] {
@@ -225,7 +225,7 @@ fn wrong_options_are_wrong_usage() {
         (&["a.exr", "b.exr", "--heatmap-of", "flip"], "--heatmap"),
         (&["a{frame}.exr", "b.exr", "--plot", "a.pdf"], "a.pdf: unknown kind of plot"),
         (&["a.png", "b.png", "--exposure", "1"], "--exposure: a.png is a PNG"),
-        (&["a.png", "b.png", "--layer", "direct"], "png: a PNG has no layers"),
+        (&["a.png", "b.png", "--layer", "direct"], "png: only OpenEXR files have layers"),
     ] {
         assert_fails(&run.glowworm(&[&["compare"], arguments].concat()), 2, &[says]);
     }

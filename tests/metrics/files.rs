@@ -219,19 +219,31 @@ fn the_data_window_is_placed_into_the_display_window() {
 }
 
 #[test]
+fn an_hdr_holds_linear_values() {
+    let folder = Folder::new();
+    let pixels = [[0.5, 2.0, 0.25], [16.0, 4.0, 1.0]];
+    let mut bytes = Vec::new();
+    image::codecs::hdr::HdrEncoder::new(&mut bytes).encode(&pixels.map(Rgb), 2, 1).unwrap();
+    let path = folder.path("a.hdr");
+    fs::write(&path, bytes).unwrap();
+    let read = read(&path);
+    assert_eq!((read.pixels(), read.encoding()), (&pixels[..], Encoding::Linear));
+}
+
+#[test]
 fn what_is_no_picture_is_named() {
     let folder = Folder::new();
     let path = folder.path("a.png");
     assert!(error(&path, None).contains("cannot be read: No such file"));
     for bytes in [&b""[..], b"hello", b"\xff\xd8\xff\xe0 a JPEG", &[0; 100]] {
         fs::write(&path, bytes).unwrap();
-        assert!(error(&path, None).ends_with("neither a PNG nor an OpenEXR file"));
+        assert!(error(&path, None).ends_with("neither a PNG nor a Radiance HDR nor an OpenEXR file"));
     }
     fs::create_dir(folder.path("folder")).unwrap();
     assert!(error(&folder.path("folder"), None).contains("cannot be read"));
     folder.png(ImageBuffer::from_pixel(2, 2, Rgb([0_u8; 3])));
     let result = Image::read(&path, Some("direct"));
-    assert!(matches!(result, Err(error @ MetricsError::LayerOfPng(_)) if error.is_usage()));
+    assert!(matches!(result, Err(error @ MetricsError::NoLayers(_)) if error.is_usage()));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec3};
 use glowworm::estimators;
-use glowworm::estimators::vpls::{SlotState, VplDebugView};
+use glowworm::estimators::vpls::{SHARE_COLOURS, STALENESS, SlotState, VplDebugView};
 use glowworm::output::{Picture, Tones, tone_map};
 use glowworm::passes::effect_view::VIEWS;
 use glowworm::renderer::{DebugView, Renderer};
@@ -289,6 +289,35 @@ fn rejected_pixels_are_those_that_are_not_counted() {
         colours.first().copied()
     };
     assert!(colour_of(SETS).is_some() && colour_of(SETS) != colour_of(1));
+}
+
+#[test]
+fn staleness_counts_the_frames_since_the_turns_of_the_sets() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = scene(STUDIO);
+    let rest = scene.pose(0.0);
+    // Ages of the sets after so many frames, and of the turns that they are the mean of.
+    for (sets, longest_history, frames, age) in
+        [(1, 0, 3, 0.0), (4, 0, 2, 0.5), (4, 0, 9, 1.5), (4, 8, 8, 1.5 + 2.0), (4, 8, 12, 1.5 + 4.0)]
+    {
+        let mut settings = settings(sets, 1);
+        settings.vpl.longest_history = longest_history;
+        let mut renderer = gpu.renderer(&scene, &settings, &rest);
+        renderer.set_view(&view(STALENESS)).unwrap();
+        for _ in 0..frames {
+            renderer.render(&rest).unwrap();
+        }
+        let thirds = (3.0 * age / sets as f32).min(2.999);
+        let [low, high] = [0, 1].map(|next| Vec3::from(SHARE_COLOURS[thirds as usize + next]));
+        let expected = low.lerp(high, thirds.fract()) * 255.0;
+        let picture = renderer.read_picture(false).unwrap();
+        let differs = |pixel: &&[u8; 4]| {
+            let [r, g, b, _] = pixel.map(f32::from);
+            (Vec3::new(r, g, b) - expected).abs().max_element() > 1.5
+        };
+        let wrong = picture.display.iter().find(differs);
+        assert_eq!(wrong, None, "{sets} sets, history {longest_history}, frame {frames}: not {expected}");
+    }
 }
 
 #[test]

@@ -21,6 +21,7 @@ struct SetPush {
     uint scale_missing; // 1: sets that saw the surface make up for those that did not
     float total_flux;   // luminous, of all sets
     uint view;          // of vpl_view.comp
+    uint frame;         // of vpl_view.comp: number of this frame
     uint rendered_step; // of vpl_view.comp: pixels from one texel of the set that this frame renders to the next
     uint holes;         // of irradiance_upsampling.comp: 0: none of the pixels are; 1: leaves those that no set saw; 2: fills these alone
 };
@@ -33,6 +34,7 @@ struct SetParameters {
     float tan_y; // tangent of half the vertical field of view of the camera that rendered it
     uvec2 offset; // of the representative
     int layer;    // of the set buffers
+    uint frame;   // that rendered it, the low 16 bits
 };
 
 int first_row(uint set) { return int(set * (3u * sets.instance_count + 1u)); }
@@ -40,7 +42,8 @@ int first_row(uint set) { return int(set * (3u * sets.instance_count + 1u)); }
 SetParameters set_at(uint set) {
     uvec4 texel = texelFetch(set_views, first_row(set));
     vec3 floats = uintBitsToFloat(texel.xyz);
-    return SetParameters(floats.x, floats.y, floats.z, uvec2(texel.w & 1u, texel.w >> 1 & 1u), int(texel.w >> 2));
+    uvec2 offset = uvec2(texel.w & 1u, texel.w >> 1 & 1u);
+    return SetParameters(floats.x, floats.y, floats.z, offset, int(texel.w >> 2 & 0x3fffu), texel.w >> 16);
 }
 
 // A point of an instance's surface in its object space; the normal of any length.

@@ -33,8 +33,9 @@ const uint FILTERED = 1u;
 const uint SET_BUFFER = 2u;
 const uint SET_REPROJECTED = 3u;
 const uint SET_COUNT = 4u;
-const uint VPL_VISIBILITY = 5u;
-const uint VPL_USEFULNESS = 6u;
+const uint STALENESS = 5u;
+const uint VPL_VISIBILITY = 6u;
+const uint VPL_USEFULNESS = 7u;
 
 const vec3 MISSING = vec3(1.0, 0.0, 1.0);
 
@@ -63,11 +64,30 @@ vec3 set_reprojected(ivec2 pixel, uint instance) {
     return look_up(sets.shown_set, point, slope_at(pixel, surface), found) ? lit(found.rgb * float(sets.set_count)) : MISSING;
 }
 
+// How old the light of this pixel is, on average over the sets by their weights: of each turn that a set is the mean of, the frames since.
+vec3 staleness(ivec2 pixel, uint instance) {
+    Surface surface = surface_at(pixel);
+    ObjectPoint point = to_object(instance, surface.position, surface.geometric);
+    float slope = slope_at(pixel, surface);
+    float ages = 0.0;
+    float weights = 0.0;
+    for (uint set = 0u; set < sets.set_count; set++) {
+        vec4 found;
+        if (!look_up(set, point, slope, found)) continue;
+        float since = float((sets.frame - set_at(set).frame) & 0xffffu);
+        float turns_before = max(found.a - 1.0, 0.0);
+        ages += set_weight(set) * (since + 0.5 * turns_before * float(sets.set_count));
+        weights += set_weight(set);
+    }
+    return weights > 0.0 ? share_colour(ages / weights / float(sets.set_count)) : MISSING;
+}
+
 vec3 surface_view(ivec2 pixel, uint instance) {
     switch (sets.view) {
         case UNFILTERED: return unfiltered(pixel);
         case SET_REPROJECTED: return set_reprojected(pixel, instance);
         case SET_COUNT: return share_colour(imageLoad(irradiance, pixel).a / float(sets.set_count));
+        case STALENESS: return staleness(pixel, instance);
         case VPL_USEFULNESS: return 0.3 * lit(imageLoad(irradiance, pixel).rgb);
         default: return vec3(imageLoad(irradiance, pixel).a);
     }

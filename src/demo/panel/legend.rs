@@ -6,11 +6,12 @@ use super::vpls;
 use crate::estimators::views;
 use crate::passes::buffer_view::COMBINED;
 use crate::renderer::DebugView;
+use crate::settings::Settings;
 
-pub(super) fn draw(ui: &Ui, view: &DebugView) {
+pub(super) fn draw(ui: &Ui, view: &DebugView, settings: &Settings) {
     let buffer = views().find(|known| known.name == view.buffer && known.name != COMBINED);
-    let paths = vpls::legend(view);
-    if buffer.is_none() && paths.is_none() {
+    let colours = vpls::legend_of_paths(view).or_else(|| vpls::legend_of_ages(view, &settings.vpl));
+    if buffer.is_none() && colours.is_none() {
         return;
     }
     let area = Area::new(Id::new("legend")).anchor(Align2::LEFT_BOTTOM, [4.0, -2.0]).interactable(false);
@@ -18,14 +19,14 @@ pub(super) fn draw(ui: &Ui, view: &DebugView) {
         // One line, however wide the last one was.
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         Frame::NONE.fill(Color32::from_black_alpha(190)).inner_margin(2.0).show(ui, |ui| {
-            if let Some((title, entries)) = paths {
+            if let Some((title, entries)) = colours {
                 ui.horizontal(|ui| {
                     ui.label(white(&title));
                     for (name, [r, g, b]) in entries {
                         let [r, g, b] = [r, g, b].map(|channel| (channel * 255.0) as u8);
                         let (place, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
                         ui.painter().rect_filled(place, 2.0, Color32::from_rgb(r, g, b));
-                        ui.label(white(name));
+                        ui.label(white(&name));
                     }
                 });
             }

@@ -38,7 +38,7 @@ use super::resolution::Resolution;
 use super::session::{Selected, Session};
 use super::split::Split;
 
-pub(super) use scene::{Purpose, is_map};
+pub(super) use scene::{Purpose, is_map, is_picture};
 pub(super) use vpls::PathsState;
 
 /// A scene that is loaded sooner needs no word.
@@ -69,6 +69,8 @@ pub(super) struct PanelState {
     /// The action that waits until edits are saved or discarded.
     pub pending: Option<Action>,
     pub scene: scene::SceneState,
+    /// What the list of lights and objects is searched for.
+    searched: String,
     split: split::SplitState,
     pub compare: compare::CompareState,
     pub paths: PathsState,
@@ -194,7 +196,7 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
 fn overlays(ui: &Ui, state: &PanelState, session: &Session, mode: Mode) {
     let viewport = state.viewport(ui.ctx());
     handles::paint(ui, session, viewport, mode);
-    legend::draw(ui, session.renderer.view());
+    legend::draw(ui, session.renderer.view(), &session.settings);
     if session.camera_is_outside() {
         let hint = "The camera has left the scene: Home brings it back.";
         notices::caption(ui, viewport, hint);
@@ -223,11 +225,13 @@ fn sections(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>, actions:
     let opens = std::mem::replace(&mut state.selected, selected) != selected && selected.is_some();
     let objects = egui::CollapsingHeader::new(RichText::new("Lights and objects").strong());
     let objects = objects.open(opens.then_some(true));
-    let objects = objects.show(ui, |ui| objects::draw(ui, shown, &mut inner, actions)).header_response;
+    let searched = &mut state.searched;
+    let objects = objects.show(ui, |ui| objects::draw(ui, searched, shown, &mut inner, actions));
+    let objects = objects.header_response;
     header(ui, "Lights and objects", objects);
     let views = section(ui, "Debug views", false, |ui| views::draw(ui, shown, actions));
     header(ui, "Debug views", views);
-    let plots = section(ui, "Performance", false, |ui| plots::draw(ui, shown));
+    let plots = section(ui, "Performance", false, |ui| plots::draw(ui, shown, &mut inner, actions));
     header(ui, "Performance", plots);
     let settings = section(ui, "Settings", false, |ui| settings::draw(ui, shown, actions));
     header(ui, "Settings", settings);

@@ -15,9 +15,18 @@ use crate::scene::LightType;
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
+pub(super) fn draw(
+    ui: &mut Ui,
+    searched: &mut String,
+    shown: &Shown<'_>,
+    places: &mut Places,
+    actions: &mut Vec<Action>,
+) {
     let Some(session) = shown.session else { return };
-    list(ui, session, actions);
+    let field = ui.add(TextEdit::singleline(searched).hint_text("search by name").desired_width(150.0));
+    place(ui, places, "search", &field);
+    keep_keyboard(ui, &field);
+    list(ui, session, searched, actions);
     ui.horizontal_wrapped(|ui| {
         ui.label("add");
         for kind in KINDS {
@@ -34,11 +43,11 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
         return;
     };
     ui.horizontal(|ui| {
-        for (mode, name) in [(Mode::Move, "move"), (Mode::Turn, "turn")] {
-            if ui.selectable_label(shown.mode == mode, name).on_hover_text("T switches").clicked()
-                && shown.mode != mode
-            {
-                actions.push(Action::ToggleHandles);
+        for mode in Mode::ALL {
+            let label = ui.selectable_label(shown.mode == mode, mode.label()).on_hover_text("T: the next");
+            place(ui, places, mode.label(), &label);
+            if label.clicked() {
+                actions.push(Action::Handles(Some(mode)));
             }
         }
         if ui.button("copy").on_hover_text("Ctrl+D").clicked() {
@@ -82,12 +91,17 @@ fn add_object(ui: &mut Ui, session: &Session, places: &mut Places, actions: &mut
     place(ui, places, "add an object", &menu.response);
 }
 
-fn list(ui: &mut Ui, session: &Session, actions: &mut Vec<Action>) {
+/// Lights, then objects, whose names have what is searched in them; what is selected is always there.
+fn list(ui: &mut Ui, session: &Session, searched: &str, actions: &mut Vec<Action>) {
+    let searched = searched.trim().to_lowercase();
     let shown = Id::new("selected entry");
     let is_new = ui.data(|data| data.get_temp(shown)) != Some(session.selected);
     ui.data_mut(|data| data.insert_temp(shown, session.selected));
     let mut entry = |ui: &mut Ui, this: Selected, name: String| {
         let is_selected = session.selected == Some(this);
+        if !is_selected && !name.to_lowercase().contains(&searched) {
+            return;
+        }
         let label = ui.selectable_label(is_selected, name);
         if label.clicked() {
             actions.push(Action::Select(Some(this)));

@@ -3,14 +3,25 @@
 use egui::{Color32, Grid, RichText, Ui};
 use egui_plot::{AxisHints, FilledArea, Line, Plot, PlotPoints};
 
-use super::Shown;
+use super::{Places, Shown, place};
+use crate::demo::action::Action;
 use crate::demo::history::Sample;
 use crate::estimators::{self, CounterInfo};
+use crate::settings::{self, Settings};
 
 /// Height of a plot, points.
 const HEIGHT: f32 = 120.0;
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>) {
+/// What can be left out of a frame: its setting, and the value that leaves it out.
+const SWITCHES: [(&str, &str, &str); 5] = [
+    ("indirect light", "indirect", "none"),
+    ("soft shadows", "direct", "hard"),
+    ("reflections", "reflections", "none"),
+    ("denoiser", "denoise", "none"),
+    ("antialiasing", "antialiasing", "none"),
+];
+
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
     let samples: Vec<&Sample> = shown.history.samples().collect();
     if samples.is_empty() {
         return;
@@ -33,6 +44,7 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>) {
         figures(ui, shown, name, pass_colour(name), |sample| pass_ms(sample, name));
     }
     let Some(session) = shown.session else { return };
+    switches(ui, &session.settings, places, actions);
     let method = estimators::method(&session.settings);
     let plotted = |counter: &CounterInfo| {
         let [r, g, b] = counter.colour?;
@@ -55,6 +67,23 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>) {
             ui.label(RichText::new(*name).small().color(*colour));
             ui.small(count(last, key).to_string());
             ui.end_row();
+        }
+    });
+}
+
+/// Leaves passes out, or has them again as they are by default.
+fn switches(ui: &mut Ui, settings: &Settings, places: &mut Places, actions: &mut Vec<Action>) {
+    ui.horizontal_wrapped(|ui| {
+        for (name, key, off) in SWITCHES {
+            let Some(setting) = settings::find(key) else { continue };
+            let mut is_on = setting.text(settings) != off;
+            let switch = ui.checkbox(&mut is_on, name).on_hover_text(setting.option());
+            place(ui, places, name, &switch);
+            let wanted = if is_on { setting.text(&Settings::default()) } else { off.to_owned() };
+            let mut changed = settings.clone();
+            if switch.changed() && setting.set(&mut changed, &wanted).is_ok() {
+                actions.push(Action::Set(Box::new(changed)));
+            }
         }
     });
 }
@@ -114,4 +143,18 @@ fn pass_colour(name: &str) -> Color32 {
     let colour = estimators::passes().find(|(_, pass)| pass.name == name).map(|(_, pass)| pass.colour);
     let [r, g, b] = colour.unwrap_or([186; 3]);
     Color32::from_rgb(r, g, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn switches_are_settings_with_such_a_value() {
+        for (_, key, off) in SWITCHES {
+            let (setting, mut settings) = (settings::find(key).unwrap(), Settings::default());
+            assert!(setting.text(&settings) != off && setting.set(&mut settings, off).is_ok(), "{key}");
+            assert_eq!(settings.check(), Ok(()));
+        }
+    }
 }

@@ -9,6 +9,7 @@ use super::{PanelState, Places, Shown, keep_keyboard, place};
 use crate::demo::action::Action;
 use crate::demo::edit::NewObject;
 use crate::demo::recorder::Recording;
+use crate::demo::split::RightSide;
 
 /// Text field and file dialog.
 #[derive(Default)]
@@ -28,11 +29,18 @@ pub(in crate::demo) enum Purpose {
     Map,
     /// The model of an object that is added.
     Model,
+    /// The picture right of the divider.
+    Picture,
 }
 
 /// Whether a file is the map of an environment, by its ending.
 pub(in crate::demo) fn is_map(path: &Path) -> bool {
     has_ending(path, &["hdr", "exr"])
+}
+
+/// Whether a file is a picture for the right side of the divider, by its ending.
+pub(in crate::demo) fn is_picture(path: &Path) -> bool {
+    is_map(path) || has_ending(path, &["png"])
 }
 
 fn has_ending(path: &Path, endings: &[&str]) -> bool {
@@ -49,17 +57,19 @@ impl SceneState {
         let shown = match purpose {
             Purpose::Map => "maps",
             Purpose::Model => "models",
+            Purpose::Picture => "pictures",
             Purpose::Open | Purpose::Save => "scenes",
         };
         let mut dialog = FileDialog::new()
             .add_file_filter("scenes", scenes)
             .add_file_filter("models", models)
             .add_file_filter("maps", Filter::new(is_map))
+            .add_file_filter("pictures", Filter::new(is_picture))
             .default_file_filter(shown)
             .default_file_name(&format!("{name}.toml"));
         match purpose {
-            Purpose::Open | Purpose::Map | Purpose::Model => dialog.pick_file(),
             Purpose::Save => dialog.save_file(),
+            _ => dialog.pick_file(),
         }
         self.dialog = Some((dialog, purpose));
     }
@@ -80,6 +90,7 @@ impl SceneState {
             Purpose::Save => Action::Save(path),
             Purpose::Map => Action::OpenMap(path),
             Purpose::Model => Action::AddObject(NewObject::File(path)),
+            Purpose::Picture => Action::Split(Some(RightSide::Picture(path))),
         }));
         if done {
             self.dialog = None;

@@ -1,5 +1,6 @@
 //! The divided window: divider, what each side shows, the reference's picture, the error of the left side.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use egui::{
@@ -7,9 +8,11 @@ use egui::{
     TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
 
+use super::scene::short;
 use super::settings::{name_of, row};
 use super::{PanelState, Places, Shown, place};
 use crate::demo::action::Action;
+use crate::demo::live_metrics::Shot;
 use crate::demo::live_reference::{ENOUGH, LiveReference};
 use crate::demo::session::Session;
 use crate::demo::split::{Right, RightSide, Split};
@@ -29,7 +32,7 @@ const CHOICES: [&str; 7] =
 /// Pictures of the CPU, as textures.
 #[derive(Default)]
 pub(in crate::demo) struct SplitState {
-    reference: Option<(u64, TextureHandle)>,
+    right: Option<(Arc<Shot>, TextureHandle)>,
     difference: Option<(u64, TextureHandle)>,
 }
 
@@ -37,18 +40,16 @@ pub(in crate::demo) struct SplitState {
 pub(super) fn pictures(ui: &Ui, state: &mut PanelState, split: &Split) {
     let viewport = state.viewport(ui.ctx());
     let state = &mut state.split;
-    if let Right::Reference(reference) = &split.right
-        && let Some(progress) = reference.progress()
-    {
-        let shown = state.reference.take().filter(|(version, _)| *version == reference.version);
-        let (version, texture) = shown.unwrap_or_else(|| {
-            let size = progress.shot.size.map(|side| side as usize);
-            let image = ColorImage::from_rgba_unmultiplied(size, bytemuck::cast_slice(&progress.shot.pixels));
-            (reference.version, ui.ctx().load_texture("reference", image, TextureOptions::NEAREST))
+    if let Some(shot) = split.right_of_cpu() {
+        let shown = state.right.take().filter(|(known, _)| Arc::ptr_eq(known, shot));
+        let (known, texture) = shown.unwrap_or_else(|| {
+            let size = shot.size.map(|side| side as usize);
+            let image = ColorImage::from_rgba_unmultiplied(size, bytemuck::cast_slice(&shot.pixels));
+            (Arc::clone(shot), ui.ctx().load_texture("right side", image, TextureOptions::NEAREST))
         });
         let right = viewport.with_min_x(divider_of(viewport, split.at));
         paint(ui, &texture, right, viewport);
-        state.reference = Some((version, texture));
+        state.right = Some((known, texture));
     }
     if !split.shows_difference {
         state.difference = None;
@@ -143,29 +144,33 @@ fn right_side(
     places: &mut Places,
     actions: &mut Vec<Action>,
 ) {
-    ui.horizontal(|ui| {
-        let is_reference = matches!(split.right, Right::Reference(_));
-        for (name, what, reference) in [
-            ("method", "The same world by other settings; each side draws as many frames as it can in half of the time.", false),
-            ("reference", "The path tracer, while nothing moves (G).", true),
-        ] {
-            let choice = ui.selectable_label(is_reference == reference, name).on_hover_text(what);
+    ui.horizontal_wrapped(|ui| {
+        let (is_method, is_reference) =
+            (matches!(split.right, Right::Renderer(_)), matches!(split.right, Right::Reference(_)));
+        let mut choice = |name: &str, is_on: bool, what: &str, action: Option<Action>| {
+            let choice = ui.selectable_label(is_on, name).on_hover_text(what);
             place(ui, places, name, &choice);
-            if choice.clicked() && is_reference != reference {
-                let beside = RightSide::beside(&session.settings);
-                actions.push(Action::Split(Some(if reference { RightSide::Reference } else { beside })));
+            if choice.clicked() {
+                actions.extend(action);
             }
-        }
-        let difference = ui
-            .selectable_label(split.shows_difference, "difference")
-            .on_hover_text("FLIP error of the left side (X).");
-        place(ui, places, "difference", &difference);
-        if difference.clicked() {
-            actions.push(Action::ToggleDifference);
-        }
+        };
+        let side = |is_on: bool, side: RightSide| (!is_on).then_some(Action::Split(Some(side)));
+        let what =
+            "The same world by other settings; each side draws as many frames as it can in half of the time.";
+        choice("method", is_method, what, side(is_method, RightSide::beside(&session.settings)));
+        let what = "The path tracer, while nothing moves (G).";
+        choice("reference", is_reference, what, side(is_reference, RightSide::Reference));
+        let what = "The picture of an .exr, .hdr or .png, which can also be dropped on the window.";
+        choice("file …", !is_method && !is_reference, what, Some(Action::AskPicture));
+        let what = "FLIP error of the left side (X).";
+        choice("difference", split.shows_difference, what, Some(Action::ToggleDifference));
     });
     match &split.right {
         Right::Reference(reference) => progress(ui, reference),
+        Right::Picture(picture) => {
+            ui.label(RichText::new(short(&picture.path.to_string_lossy())).strong());
+            ui.label(picture.described());
+        }
         Right::Renderer(other) => {
             ui.label(RichText::new(described(&other.settings)).strong());
             ui.label(milliseconds(&other.report));

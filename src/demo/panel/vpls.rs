@@ -7,11 +7,12 @@ use crate::demo::action::Action;
 use crate::demo::inspector::Found;
 use crate::demo::session::Session;
 use crate::estimators::vpls::{
-    InvalidationReason, PathStyle, VPL_VISIBILITY, VplDebugView, Vpls, path_legend, reason_colour,
-    shows_a_set,
+    InvalidationReason, PathStyle, SHARE_COLOURS, STALENESS, VPL_VISIBILITY, VplDebugView, Vpls, path_legend,
+    reason_colour, shows_a_set,
 };
 use crate::renderer::DebugView;
 use crate::scene::luminance;
+use crate::settings::VplSettings;
 
 /// VPL paths that are shown at first: few enough to be told apart.
 const FEW_PATHS: u32 = 128;
@@ -44,12 +45,20 @@ pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session,
 }
 
 /// A title, and what each colour means.
-type Legend = (String, Vec<(&'static str, [f32; 3])>);
+type Legend = (String, Vec<(String, [f32; 3])>);
 
 /// How paths are coloured, if they are shown.
-pub(super) fn legend(view: &DebugView) -> Option<Legend> {
+pub(super) fn legend_of_paths(view: &DebugView) -> Option<Legend> {
     let style = view.options::<VplDebugView>().vpl_paths?;
-    Some((format!("paths by {}:", style.label().to_lowercase()), path_legend(style)))
+    let entries = path_legend(style).into_iter().map(|(name, colour)| (name.to_owned(), colour));
+    Some((format!("paths by {}:", style.label().to_lowercase()), entries.collect()))
+}
+
+/// How many frames old what each colour shows is, if the view tells that.
+pub(super) fn legend_of_ages(view: &DebugView, settings: &VplSettings) -> Option<Legend> {
+    let entry = |(third, colour)| (format!("{:.0}", f64::from(settings.temporal_sets * third) / 3.0), colour);
+    let entries = (0..).zip(SHARE_COLOURS).map(entry).collect();
+    (view.buffer == STALENESS).then(|| ("frames old:".to_owned(), entries))
 }
 
 /// A hint after the name of a view that needs more.

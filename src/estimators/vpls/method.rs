@@ -2,9 +2,9 @@
 
 use super::{InvalidationReason, SHADOW_RAYS, VIEWS, Vpls};
 use crate::denoise::SignalNoise;
-use crate::estimators::{Axis, CounterInfo, Method, MethodPasses};
+use crate::estimators::{Axis, CounterInfo, FewerTexels, Method, MethodPasses};
 use crate::report::PassInfo;
-use crate::settings::{Indirect, Settings};
+use crate::settings::{Indirect, SetResolution, Settings, VplSettings};
 
 /// The description of the method.
 pub const METHOD: Method = Method {
@@ -31,6 +31,7 @@ pub(super) const AXES: &[Axis] = &[
         divides_work: true,
         get: |settings| settings.vpl.temporal_sets,
         set: |settings, sets| settings.vpl.temporal_sets = sets.clamp(1, settings.vpl.slots),
+        fewer_texels: Some(FewerTexels { of: at_half_resolution, are: is_single_at_half }),
     },
     Axis {
         setting: "vpls",
@@ -41,6 +42,7 @@ pub(super) const AXES: &[Axis] = &[
         divides_work: false,
         get: |settings| settings.vpl.slots,
         set: |settings, slots| settings.vpl.slots = slots.clamp(settings.vpl.temporal_sets, MOST_VPLS),
+        fewer_texels: None,
     },
     Axis {
         setting: "interleave",
@@ -51,8 +53,22 @@ pub(super) const AXES: &[Axis] = &[
         divides_work: false,
         get: |settings| settings.vpl.interleave,
         set: |settings, interleave| settings.vpl.interleave = interleave.clamp(1, 8),
+        fewer_texels: None,
     },
 ];
+
+/// Whether there is one set, of half the resolution.
+fn is_single_at_half(settings: &Settings) -> bool {
+    settings.vpl.temporal_sets == 1 && settings.vpl.set_resolution == SetResolution::Half
+}
+
+/// One set, of the resolution that several have by themselves.
+fn at_half_resolution(settings: &Settings) -> Option<Settings> {
+    let vpl = VplSettings { set_resolution: SetResolution::Half, ..settings.vpl };
+    let is_full = settings.indirect == Indirect::VPLS && vpl.temporal_sets == 1 && vpl.interleave > 1;
+    (is_full && !is_single_at_half(settings)).then(|| Settings { vpl, ..settings.clone() })
+}
+
 /// Most VPL slots.
 const MOST_VPLS: u32 = 65_536;
 

@@ -42,7 +42,9 @@ pub use manager::{
 pub use method::METHOD;
 pub use path_lines::{path_legend, reason_colour};
 pub use tonna::METHOD as TONNA;
-pub use view::{PathStyle, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, shows_a_set};
+pub use view::{
+    PathStyle, SHARE_COLOURS, STALENESS, VIEWS, VPL_USEFULNESS, VPL_VISIBILITY, VplDebugView, shows_a_set,
+};
 
 use super::ray_counters::RayCounters;
 use super::{DebugView, Estimator, EstimatorContext, Hits, IrradianceSignal, ViewInputs, World};
@@ -248,7 +250,7 @@ impl Estimator for Vpls {
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
             let flux = flux[*set as usize];
             let rendered = RenderedSet { set: *set, representative, irradiance_scale, flux };
-            passes.sets.note(frame, inputs.pose, &rendered)?;
+            passes.sets.note(frame, inputs, &rendered)?;
             last = Some(uploaded);
         }
         // There is always the set whose turn it is.

@@ -11,9 +11,10 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec3A, Vec4};
 
 use crate::bvh::gpu::rows;
 use crate::gpu_scene::to_u32;
+use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image_array;
-use crate::scene::{Camera, Pose};
-use crate::settings::{MissingSets, VplSettings};
+use crate::scene::Camera;
+use crate::settings::{MissingSets, SetResolution, VplSettings};
 use crate::vulkan::{Buffer, Device, Frame, Image, Pass, VulkanError, vk};
 
 /// A camera, as what its pixels see.
@@ -59,8 +60,8 @@ struct SetParameters {
     flux: f32,
     /// Tangent of half the vertical field of view of the camera that rendered it.
     tan_y: f32,
-    /// Bits 0 and 1: offset of the representative; from bit 2 on its layer.
-    offset_and_layer: u32,
+    /// Bits 0 and 1: offset of the representative; to bit 15 its layer; from bit 16 on the low bits of the frame that rendered it.
+    offset_layer_frame: u32,
 }
 
 /// What looking a surface up in the sets takes; `SetPush` in shaders/estimators/vpls/set_buffers.glsl.
@@ -83,6 +84,8 @@ pub struct SetPush {
     pub total_flux: f32,
     /// Number of the view.
     pub view: u32,
+    /// For a view: the number of this frame.
+    pub frame: u32,
     /// For a view: pixels from one texel of the set that this frame renders to the next.
     pub rendered_step: u32,
     /// What becomes of pixels that no set saw, in shaders/estimators/vpls/irradiance_upsampling.comp.
@@ -135,10 +138,14 @@ pub struct SetBuffers {
     instances: usize,
 }
 
-/// Pixels from one texel of the set buffers to the next. A window of one pixel would lose what lies between, and a single set
-/// has no one to share the pixels with.
+/// Pixels from one texel of the set buffers to the next. Unless asked for, a window of one pixel would lose what lies between, and a
+/// single set has no one to share the pixels with.
 pub fn set_step(settings: &VplSettings) -> u32 {
-    if settings.temporal_sets > 1 && settings.interleave > 1 { 2 } else { 1 }
+    match settings.set_resolution {
+        SetResolution::Auto if settings.temporal_sets > 1 && settings.interleave > 1 => 2,
+        SetResolution::Auto | SetResolution::Full => 1,
+        SetResolution::Half => 2,
+    }
 }
 
 impl SetBuffers {
@@ -226,13 +233,14 @@ impl SetBuffers {
         self.spare
     }
 
-    /// Notes that this frame has rendered a set into [`Self::target`], with everything standing as in `pose`.
+    /// Notes that the frame with these inputs has rendered a set into [`Self::target`].
     pub fn note(
         &mut self,
         frame: &mut Frame<'_>,
-        pose: &Pose,
+        inputs: &FrameInputs<'_>,
         rendered: &RenderedSet,
     ) -> Result<(), VulkanError> {
+        let (pose, number) = (inputs.pose, inputs.clock.frame as u32);
         let view = SetView::new(&pose.camera, self.size);
         let [x, y] = rendered.representative;
         let rendered_layer = std::mem::replace(&mut self.spare, self.layers[rendered.set as usize]);
@@ -241,7 +249,7 @@ impl SetBuffers {
             scale: 1.0 / rendered.irradiance_scale,
             flux: rendered.flux,
             tan_y: view.rays[1].length(),
-            offset_and_layer: x | y << 1 | rendered_layer << 2,
+            offset_layer_frame: x | y << 1 | rendered_layer << 2 | number << 16,
         };
         self.flux[rendered.set as usize] = Some(rendered.flux);
         let all = pose.instances.iter().chain([&Affine3A::IDENTITY]);
@@ -293,6 +301,7 @@ mod tests {
             scale_missing,
             total_flux,
             view,
+            frame,
             rendered_step,
             holes
         );

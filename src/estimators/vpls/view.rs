@@ -16,6 +16,9 @@ const FILTERED: &str = "filtered";
 /// Needs a single VPL.
 pub const VPL_VISIBILITY: &str = "vpl-visibility";
 
+/// Shows how old light is.
+pub const STALENESS: &str = "staleness";
+
 /// Shows all VPLs as points.
 pub const VPL_USEFULNESS: &str = "vpl-usefulness";
 
@@ -45,6 +48,11 @@ pub const VIEWS: &[View] = &[
         name: "set-count",
         label: "Valid sets per pixel",
         about: "How many of the sets have seen each pixel's surface: from black (none) over blue and green to yellow (all)",
+    },
+    View {
+        name: STALENESS,
+        label: "Staleness",
+        about: "How many frames old the light of each pixel is, on average: from black (this frame) over blue and green to yellow (as many as there are sets, or more); magenta where no set has seen the surface",
     },
     View {
         name: VPL_VISIBILITY,
@@ -119,6 +127,10 @@ pub fn shows_a_set(view: &str) -> bool {
     view == "set-buffer" || view == "set-reprojected"
 }
 
+/// The colours of a share of 0, of 1, and between; twin: `share_colour` in shaders/include/false_colour.glsl.
+pub const SHARE_COLOURS: [[f32; 3]; 4] =
+    [[0.0, 0.0, 0.05], [0.15, 0.2, 0.75], [0.1, 0.65, 0.45], [1.0, 0.92, 0.2]];
+
 /// Draws [`VIEWS`].
 pub struct VplViewPass {
     pipeline: ComputePipeline,
@@ -157,6 +169,7 @@ impl VplViewPass {
         let push = SetPush {
             shown_set: set.min(sets.count() - 1),
             view: view as u32,
+            frame: inputs.frame.clock.frame as u32,
             rendered_step: sources.rendered.0.step(),
             ..sets.push(MissingSets::Dark, &[])
         };
