@@ -86,7 +86,7 @@ By whole vectors:
 
 {vectors}
 
-On a scene that the search has not seen:
+On a scene that the search has not seen, what it found on the others costs less than BMFR's ten in {better} of {of}, so the ten stay the default:
 
 {unseen}
 
@@ -179,7 +179,8 @@ def search(figures):
                                                 for key, name in [("bmfr", "BMFR's ten"), ("found", "found by component")] if key in figures["turned"]])
     errors = table(["HDR-FLIP / VMAF", *figures["scenes"]], [[name, *(f"{flip:.3f} / {100 - lack:.1f}" for flip, lack in figures["errors"][key])]
                                                              for key, name in [("bmfr", "BMFR's ten"), ("found", "found by component")]])
-    return SEARCH.format(errors=errors, components=lines(figures["components"]), vectors=lines(figures["vectors"]), unseen=unseen, turned=turned,
+    better = sum(row["cost"] < row["bmfr"] for row in figures["unseen"].values())
+    return SEARCH.format(better=better, of=len(figures["unseen"]), errors=errors, components=lines(figures["components"]), vectors=lines(figures["vectors"]), unseen=unseen, turned=turned,
                          names=", ".join(figures["scenes"]), **{key: figures[key] for key in ["size", "spp"]}, bmfr=f"{figures['bmfr']:.3f}")
 
 
