@@ -1,8 +1,8 @@
 """The program of scripts/search-features: greedy search of BMFR's features (Flatval 2020, section 4.4) over data sets of several scenes.
 
 The cost of a list is the mean over the scenes, and over two metrics of denoised frames against the path tracer's: HDR-FLIP, and
-what VMAF lacks of 100, each divided by that of the constant feature alone. The pool has what Flatval's has (components of normal n and position w, their products and roots) and distance,
-roughness and albedo; whole vectors are added as one in a search of their own. Each step adds the candidate that lowers the cost most.
+what VMAF lacks of 100, each divided by that of the constant feature alone. The pool has what Flatval's has (components of normal n
+and position w, their products and roots) and distance, roughness and albedo; whole vectors are added as one in a search of their own. Each step adds the candidate that lowers the cost most.
 Candidates are tried in the order of what they brought before, until one brings more than the next one ever did (lazy evaluation).
 """
 
@@ -41,10 +41,11 @@ TURN = 35
 class Search:
     def __init__(self, study):
         self.study = study
-        # Errors by scene and list, kept in the cache: a search that was broken off goes on.
-        self.file = study.cache / "features-known.json"
-        self.known = json.loads(self.file.read_text()) if self.file.exists() else {}
         self.sets = {scene: self.dataset(scene) for scene in study.chosen(study_denoisers.CAMERAS)}
+        self.commit = self.denoise(next(iter(self.sets)), next(iter(self.sets.values())), ["1"], study.cache / "features-denoised")["commit"]
+        # Errors by scene and list, kept in the cache: a search that was interrupted goes on.
+        self.file = study.cache / f"features-known-{self.commit}.json"
+        self.known = json.loads(self.file.read_text()) if self.file.exists() else {}
         self.stops = {scene: self.show_reference(scene) for scene in self.sets}
 
     def dataset(self, scene):
@@ -84,11 +85,15 @@ class Search:
         show(folder, "reference", folder / "reference-shown", stops)
         return stops
 
+    def denoise(self, scene, folder, features, out):
+        """The report of a data set denoised by these features into a folder."""
+        return self.study.run("denoise", folder, "--layout", "bmfr", "--denoise", "bmfr", "--bmfr-features", ",".join(features), "--out", out,
+                              report=f"denoise-{scene}")
+
     def errors_of(self, scene, folder, features):
         """HDR-FLIP and what VMAF lacks of 100: means over frames of a data set denoised by these features."""
         with tempfile.TemporaryDirectory() as out:
-            report = self.study.run("denoise", folder, "--layout", "bmfr", "--denoise", "bmfr", "--bmfr-features", ",".join(features), "--out", out,
-                                    report=f"denoise-{scene}")
+            report = self.denoise(scene, folder, features, out)
             show(Path(out), "denoised", Path(out) / "shown", self.stops[scene])
             vmaf = json.loads(subprocess.run([self.study.options.root / "scripts/vmaf", Path(out) / "shown", self.sets[scene] / "reference-shown"],
                                              capture_output=True, check=True).stdout)["vmaf"]
@@ -157,7 +162,7 @@ def search(study):
     of = Search(study)
     scenes = list(of.sets)
     singles = [[name] for name in SINGLE]
-    found = {"size": SIZE, "spp": study.options.spp, "scenes": scenes, "bmfr": of.cost(scenes, BMFR)}
+    found = {"commit": of.commit, "size": SIZE, "spp": study.options.spp, "scenes": scenes, "bmfr": of.cost(scenes, BMFR)}
     found["components"] = of.greedy(scenes, singles)
     study.keep("search", found)
     found["vectors"] = of.greedy(scenes, VECTORS)

@@ -73,7 +73,7 @@ RMSE of display luminance / HDR-FLIP / milliseconds of the fit, by number of fea
 
 SEARCH = """## Which features
 
-Greedy search by `scripts/search-features` over data sets of {names} at {size}, one path a pixel, against {spp}: the cost is the
+Greedy search by `scripts/search-features` over data sets of {names} at {size}, one path a pixel, against {spp} (commit {commit}): the cost is the
 mean over the scenes, and over two metrics of denoised frames, HDR-FLIP and what VMAF lacks of 100, each over that of the constant alone. BMFR's ten cost {bmfr}.
 
 {errors}
@@ -181,7 +181,7 @@ def search(figures):
                                                              for key, name in [("bmfr", "BMFR's ten"), ("found", "found by component")]])
     better = sum(row["cost"] < row["bmfr"] for row in figures["unseen"].values())
     return SEARCH.format(better=better, of=len(figures["unseen"]), errors=errors, components=lines(figures["components"]), vectors=lines(figures["vectors"]), unseen=unseen, turned=turned,
-                         names=", ".join(figures["scenes"]), **{key: figures[key] for key in ["size", "spp"]}, bmfr=f"{figures['bmfr']:.3f}")
+                         names=", ".join(figures["scenes"]), **{key: figures[key] for key in ["commit", "size", "spp"]}, bmfr=f"{figures['bmfr']:.3f}")
 
 
 def write(out):

@@ -22,7 +22,7 @@ layout(push_constant) uniform Push {
 // Standard deviations around the mean of the 3x3 pixels in which history is kept.
 const float REACH = 1.0;
 
-// What stands out from a plane by this share of its inverse depth is before an edge.
+// Share of the inverse depth by which what is before a silhouette stands out from the plane behind it.
 const float EDGE = 0.02;
 
 bool inside(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(frame.size))); }
@@ -40,19 +40,19 @@ float inverse_depth(ivec2 pixel) {
     return depth > 0.0 ? 1.0 / depth : 0.0;
 }
 
-// How far what is seen at the pixel has moved, or at an edge what is before it: edges move with what is nearer. On a plane that is
-// slanted, the nearest of the pixels around has another motion, and that of the pixel counts.
+// Motion of the surface at the pixel, or at a silhouette that of the nearer surface (Karis 2014). On a slanted plane the nearest of the
+// pixels around has another motion, so it counts only where it stands out from the plane through the pixel and its opposite one.
 vec2 motion_at(ivec2 pixel) {
-    ivec2 at = pixel;
-    float own = inverse_depth(pixel);
+    float around[9];
+    for (int i = 0; i < 9; i++) around[i] = inverse_depth(pixel + ivec2(i % 3, i / 3) - 1);
+    float own = around[4];
     float nearest = own;
+    ivec2 at = pixel;
     for (int i = 0; i < 9; i++) {
-        ivec2 offset = ivec2(i % 3, i / 3) - 1;
-        float near = inverse_depth(pixel + offset);
-        float plane = 2.0 * own - inverse_depth(pixel - offset);
-        if (near > nearest && near > plane + EDGE * own) {
-            nearest = near;
-            at = pixel + offset;
+        float plane = 2.0 * own - around[8 - i];
+        if (around[i] > nearest && around[i] > plane + EDGE * own) {
+            nearest = around[i];
+            at = pixel + ivec2(i % 3, i / 3) - 1;
         }
     }
     if (nearest > 0.0) return texelFetch(gbuffer_motion, at, 0).xy;

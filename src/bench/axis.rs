@@ -14,7 +14,7 @@ const BOUNCES: estimators::Axis = estimators::Axis {
     divides_work: false,
     get: |settings| settings.bounces,
     set: |settings, bounces| settings.bounces = bounces.clamp(1, 16),
-    fewer_texels: None,
+    half: None,
 };
 
 /// The method or a setting, which can be swept.

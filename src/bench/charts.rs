@@ -96,7 +96,7 @@ fn line(row: &GridRow<'_>, axis: Axis, value: &dyn Fn(&Run) -> Option<f64>) -> L
     let point = |run: &&Run| Some((axis.value(run)?, value(run)?));
     let mut points: Vec<_> = row.runs.iter().flatten().filter_map(point).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Of two runs at one value, the second has fewer texels, and is in the tables.
+    // Of two runs at one value, the second is at half resolution, and only in the tables.
     points.dedup_by_key(|point| point.0);
     Line { name: row.label.clone(), points, look: Look::Marked }
 }

@@ -42,8 +42,8 @@ pub struct Sweep {
 }
 
 impl Plan {
-    /// The runs of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest. Work
-    /// that is not divided is measured at the resolution of divided work, too.
+    /// The runs of a scene; `scene_settings` are those of its file. The first of [`Axis::all`] varies fastest, but methods slowest. Undivided
+    /// work is measured at the half resolution of divided work, too.
     ///
     /// # Errors
     /// If a combination is invalid.
@@ -93,15 +93,15 @@ impl Plan {
         }
         let compares =
             |axis: &Axis| self.sweep.settings.get(axis.key()).is_some_and(|values| values.len() > 1);
-        let fewer = Axis::all().into_iter().filter(is_swept).filter(compares).find_map(|axis| match axis {
-            Axis::Number(axis) => axis.fewer_texels,
+        let half = Axis::all().into_iter().filter(is_swept).filter(compares).find_map(|axis| match axis {
+            Axis::Number(axis) => axis.half,
             _ => None,
         });
-        let with_fewer = |settings: Settings| {
-            let with_fewer = fewer.and_then(|fewer| (fewer.of)(&settings));
-            std::iter::once(settings).chain(with_fewer)
+        let with_half = |settings: Settings| {
+            let at_half = half.and_then(|half| (half.of)(&settings));
+            std::iter::once(settings).chain(at_half)
         };
-        Ok(all.into_iter().flat_map(with_fewer).collect())
+        Ok(all.into_iter().flat_map(with_half).collect())
     }
 
     /// The option in which `other` differs, if any.

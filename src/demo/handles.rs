@@ -6,10 +6,10 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 use serde::Serialize;
 
-use super::placing::{
-    moved_instance, moved_light, scaled_instance, scaled_light, turned_instance, turned_light,
-};
 use super::session::{Selected, Session};
+use super::transform::{
+    moved_instance, moved_light, rotated_instance, rotated_light, scaled_instance, scaled_light,
+};
 use crate::bvh::Ray;
 use crate::formats::{InstanceEntry, LightEntry};
 use crate::scene::LightKind;
@@ -32,18 +32,18 @@ pub enum Mode {
     #[default]
     Move,
     /// Rings.
-    Turn,
+    Rotate,
     /// Bars, all for the same: one factor for all axes.
     Scale,
 }
 
 impl Mode {
     /// All kinds, in the order in which they follow each other.
-    pub const ALL: [Self; 3] = [Self::Move, Self::Turn, Self::Scale];
+    pub const ALL: [Self; 3] = [Self::Move, Self::Rotate, Self::Scale];
 
     /// A word for people.
     pub fn label(self) -> &'static str {
-        ["move", "turn", "scale"][self as usize]
+        ["move", "rotate", "scale"][self as usize]
     }
 
     /// The kind after this one.
@@ -98,7 +98,7 @@ impl Projector {
 fn lines(mode: Mode, pivot: Vec3, axis: Vec3, reach: f32) -> Vec<Vec3> {
     match mode {
         Mode::Move | Mode::Scale => vec![pivot, pivot + axis * reach],
-        Mode::Turn => {
+        Mode::Rotate => {
             let side = axis.yzx() * reach;
             let corner = |i: usize| {
                 let angle = i as f32 / RING as f32 * std::f32::consts::TAU;
@@ -279,7 +279,7 @@ impl HandleDrag {
                 let square = 1.0 - along * along;
                 (square > 1e-4).then(|| (off.dot(self.axis) - off.dot(direction) * along) / square)
             }
-            Mode::Turn => {
+            Mode::Rotate => {
                 let t = (self.pivot - ray.origin).dot(self.axis) / along;
                 let at = ray.origin + direction * t - self.pivot;
                 let (x, y) = (at.dot(self.axis.yzx()), at.dot(self.axis.cross(self.axis.yzx())));
@@ -295,20 +295,20 @@ impl HandleDrag {
             // A click is no edit.
             return Some(self.original.clone());
         }
-        // As much larger by a length of the handle outwards as smaller by one inwards.
+        // A handle's length outwards doubles the size, one inwards halves it.
         let factor = (way / self.reach).clamp(-8.0, 8.0).exp2();
         Some(match (&self.original, self.mode) {
             (Entry::Instance(index, entry), Mode::Move) => {
                 Entry::Instance(*index, moved_instance(entry, self.axis * way))
             }
-            (Entry::Instance(index, entry), Mode::Turn) => {
-                Entry::Instance(*index, turned_instance(entry, self.axis, way))
+            (Entry::Instance(index, entry), Mode::Rotate) => {
+                Entry::Instance(*index, rotated_instance(entry, self.axis, way))
             }
             (Entry::Light(index, entry), Mode::Move) => {
                 Entry::Light(*index, moved_light(entry, self.axis * way))
             }
-            (Entry::Light(index, entry), Mode::Turn) => {
-                Entry::Light(*index, turned_light(entry, Quat::from_axis_angle(self.axis, way)))
+            (Entry::Light(index, entry), Mode::Rotate) => {
+                Entry::Light(*index, rotated_light(entry, Quat::from_axis_angle(self.axis, way)))
             }
             (Entry::Instance(index, entry), Mode::Scale) => {
                 Entry::Instance(*index, scaled_instance(entry, factor))
@@ -355,7 +355,7 @@ mod tests {
 
     #[test]
     fn a_light_turns_with_its_ring() {
-        let mut drag = drag(Mode::Turn, Vec3::Y);
+        let mut drag = drag(Mode::Rotate, Vec3::Y);
         drag.start = drag.place(&ray_to(drag.pivot + Vec3::X)).unwrap();
         let Some(Entry::Light(_, light)) = drag.dragged(&ray_to(drag.pivot + Vec3::NEG_Z)) else { panic!() };
         let direction = Vec3::from_array(light.direction.unwrap());

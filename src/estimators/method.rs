@@ -60,17 +60,18 @@ pub struct Axis {
     pub get: fn(&Settings) -> u32,
     /// Sets it, as near to the value as its range and the other settings allow.
     pub set: fn(&mut Settings, u32),
-    /// How undivided work takes as few texels as divided work, where it takes more by itself.
-    pub fewer_texels: Option<FewerTexels>,
+    /// Undivided work at half resolution, where that is what divided work has.
+    pub half: Option<HalfResolution>,
 }
 
-/// Undivided work with as few texels as divided work, so that what dividing gains is told from what fewer texels do.
+/// Undivided work at the half resolution of divided work: a row of its own in a sweep, by which a speed-up is split into what dividing
+/// gains and what the resolution does.
 #[derive(Clone, Copy, Debug)]
-pub struct FewerTexels {
-    /// The settings with fewer texels; none where those given have as few, or divide the work.
+pub struct HalfResolution {
+    /// The settings at half resolution; none where those given have it, or divide the work.
     pub of: fn(&Settings) -> Option<Settings>,
-    /// Whether settings are such.
-    pub are: fn(&Settings) -> bool,
+    /// Whether these settings are undivided work at half resolution.
+    pub is: fn(&Settings) -> bool,
 }
 
 impl Axis {
@@ -79,9 +80,9 @@ impl Axis {
         (self.get)(settings).to_string() + self.note(settings)
     }
 
-    /// What tells undivided work with fewer texels from other.
+    /// What tells undivided work at half resolution from that at full resolution.
     pub fn note(&self, settings: &Settings) -> &'static str {
-        if self.fewer_texels.is_some_and(|fewer| (fewer.are)(settings)) { " (half)" } else { "" }
+        if self.half.is_some_and(|half| (half.is)(settings)) { " (half)" } else { "" }
     }
 
     /// A value in the name of a run.

@@ -22,7 +22,7 @@ use serde_json::{Map, Value};
 pub use crate::bvh::World;
 use crate::gpu_scene::tracer::TracerVariant;
 pub use crate::passes::hits::Hits;
-pub use method::{Axis, CounterInfo, FewerTexels, Method, MethodPasses};
+pub use method::{Axis, CounterInfo, HalfResolution, Method, MethodPasses};
 pub use pass_list::{is_part, passes, passes_with};
 
 use crate::passes::buffer_view::{COMBINED, VIEWS, View};

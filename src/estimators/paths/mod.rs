@@ -68,7 +68,7 @@ const AXES: &[Axis] = &[Axis {
     divides_work: false,
     get: |settings| settings.paths.samples,
     set: |settings, samples| settings.paths.samples = samples.clamp(1, 16),
-    fewer_texels: None,
+    half: None,
 }];
 
 /// Whether a view shows cells, which only some filters have.

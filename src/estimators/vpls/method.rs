@@ -2,7 +2,7 @@
 
 use super::{InvalidationReason, SHADOW_RAYS, VIEWS, Vpls};
 use crate::denoise::SignalNoise;
-use crate::estimators::{Axis, CounterInfo, FewerTexels, Method, MethodPasses};
+use crate::estimators::{Axis, CounterInfo, HalfResolution, Method, MethodPasses};
 use crate::report::PassInfo;
 use crate::settings::{Indirect, SetResolution, Settings, VplSettings};
 
@@ -31,7 +31,7 @@ pub(super) const AXES: &[Axis] = &[
         divides_work: true,
         get: |settings| settings.vpl.temporal_sets,
         set: |settings, sets| settings.vpl.temporal_sets = sets.clamp(1, settings.vpl.slots),
-        fewer_texels: Some(FewerTexels { of: at_half_resolution, are: is_single_at_half }),
+        half: Some(HalfResolution { of: at_half_resolution, is: is_single_at_half }),
     },
     Axis {
         setting: "vpls",
@@ -42,7 +42,7 @@ pub(super) const AXES: &[Axis] = &[
         divides_work: false,
         get: |settings| settings.vpl.slots,
         set: |settings, slots| settings.vpl.slots = slots.clamp(settings.vpl.temporal_sets, MOST_VPLS),
-        fewer_texels: None,
+        half: None,
     },
     Axis {
         setting: "interleave",
@@ -53,7 +53,7 @@ pub(super) const AXES: &[Axis] = &[
         divides_work: false,
         get: |settings| settings.vpl.interleave,
         set: |settings, interleave| settings.vpl.interleave = interleave.clamp(1, 8),
-        fewer_texels: None,
+        half: None,
     },
 ];
 

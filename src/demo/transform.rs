@@ -1,4 +1,4 @@
-//! Entries of the document elsewhere: moved, turned, scaled.
+//! Lights and instances of the document, translated, rotated and scaled.
 
 use glam::{Quat, Vec3};
 
@@ -14,7 +14,7 @@ pub(super) fn moved_instance(entry: &InstanceEntry, way: Vec3) -> InstanceEntry 
 }
 
 /// An instance rotated about `axis` by `angle`, radians, after its own rotation.
-pub(super) fn turned_instance(entry: &InstanceEntry, axis: Vec3, angle: f32) -> InstanceEntry {
+pub(super) fn rotated_instance(entry: &InstanceEntry, axis: Vec3, angle: f32) -> InstanceEntry {
     let now = match entry.rotation {
         None => Quat::IDENTITY,
         Some(RotationEntry::Euler(degrees)) => {
@@ -51,7 +51,7 @@ pub(super) fn moved_light(entry: &LightEntry, way: Vec3) -> LightEntry {
 }
 
 /// A light rotated in its place.
-pub(super) fn turned_light(entry: &LightEntry, turn: Quat) -> LightEntry {
+pub(super) fn rotated_light(entry: &LightEntry, turn: Quat) -> LightEntry {
     LightEntry {
         direction: entry.direction.map(|direction| (turn * Vec3::from_array(direction)).to_array()),
         polygon: entry.polygon.map(|polygon| about_middle(polygon, |off| turn * off)),
@@ -83,7 +83,7 @@ mod tests {
     fn turns_of_an_instance_add_up() {
         let text = "model = \"m\"\nrotation = [0, 90, 0]";
         let entry: InstanceEntry = toml::from_str(text).unwrap();
-        let turned = turned_instance(&entry, Vec3::Y, 30f32.to_radians());
+        let turned = rotated_instance(&entry, Vec3::Y, 30f32.to_radians());
         let Some(RotationEntry::AxisAngle(turn)) = turned.rotation else { panic!() };
         assert!(Vec3::from_array(turn.axis).distance(Vec3::Y) < 1e-5 && (turn.degrees - 120.0).abs() < 1e-3);
     }
