@@ -42,7 +42,7 @@ pub(super) fn draw(
         ui.small("Click an object or a light in the picture to select it.");
         return;
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for mode in Mode::ALL {
             let label = ui.selectable_label(shown.mode == mode, mode.label()).on_hover_text("T: the next");
             place(ui, places, mode.label(), &label);

@@ -1,6 +1,6 @@
 //! Plots of the last frames: frame intervals, pass times, counters of the method.
 
-use egui::{Color32, Grid, RichText, Ui};
+use egui::{Align, Color32, Grid, Label, Layout, RichText, TextStyle, Ui, vec2};
 use egui_plot::{AxisHints, FilledArea, Line, Plot, PlotPoints};
 
 use super::{Places, Shown, place};
@@ -35,16 +35,19 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
     let memory = shown.gpu.device.memory_peak() as f64 / f64::from(1 << 20);
     ui.small(format!("device memory: {memory:.0} MiB at most"));
     ui.separator();
+    if let Some(session) = shown.session {
+        switches(ui, &session.settings, places, actions);
+    }
     ui.small("milliseconds of each pass, stacked");
     let last = samples[samples.len() - 1];
     let names: Vec<&str> = last.report.figures.passes.keys().copied().collect();
     let whole: Vec<&str> = names.iter().copied().filter(|name| !estimators::is_part(name)).collect();
     passes(ui, &samples, &whole);
-    for name in names.iter().rev() {
+    let ran = |name: &&&str| samples.iter().any(|sample| pass_ms(sample, name) > 0.0);
+    for name in names.iter().rev().filter(ran) {
         figures(ui, shown, name, pass_colour(name), |sample| pass_ms(sample, name));
     }
     let Some(session) = shown.session else { return };
-    switches(ui, &session.settings, places, actions);
     let method = estimators::method(&session.settings);
     let plotted = |counter: &CounterInfo| {
         let [r, g, b] = counter.colour?;
@@ -127,10 +130,13 @@ fn plot<'a>(id: &str, unit: &str, ui: &mut Ui, content: impl FnOnce(&mut egui_pl
 /// Median and 95th percentile of a figure.
 fn figures(ui: &mut Ui, shown: &Shown<'_>, name: &str, colour: Color32, figure: impl Fn(&Sample) -> f64) {
     let Some([median, p95]) = shown.history.median_and_p95(figure) else { return };
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(name.replace('_', " ")).small().color(colour));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.small(format!("{median:.2}, p95 {p95:.2} ms"));
+    let row = vec2(ui.available_width(), ui.text_style_height(&TextStyle::Small));
+    ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+        ui.small(format!("{median:.2}, p95 {p95:.2} ms"));
+        // A long name is cut off, not drawn over its figures.
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            let name = RichText::new(name.replace('_', " ")).small().color(colour);
+            ui.add(Label::new(name).truncate());
         });
     });
 }
