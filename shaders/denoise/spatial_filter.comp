@@ -2,12 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // One level of an edge-avoiding a-trous filter (Dammertz et al. 2010) over a signal whose variance is known, as wide as that variance
-// asks for (Schied et al. 2017): texels count if they lie on the same surface and differ by no more than noise explains. In: the
+// asks for (Schied et al. 2017): texels count if they differ by no more than noise explains, those on other surfaces less. In: the
 // signal, a: 0 where a texel knows nothing; the variance of its luminance. Out: both, filtered.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "rounded.glsl"
 #include "same_surface.glsl"
+#include "shrinkage.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -26,6 +27,9 @@ layout(push_constant) uniform Push {
 
 // Standard deviations by which luminances on one surface may differ.
 const float LUMINANCE_TOLERANCE = 3.0;
+
+// Weight of taps on other surfaces: a chair leg has none on its own.
+const float OTHER_SURFACE = 0.5;
 
 float weight_at(int place) { return place == 0 ? 1.0 : 0.5; }
 
@@ -53,6 +57,7 @@ void main() {
     if (deviation > 0.0) {
         float light = luminance(middle.rgb);
         vec4 sum = vec4(middle.rgb, 1.0);
+        float footprint = centre.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y) * float(push.pixels * push.step);
         float sum_of_variances = variance;
         for (int i = 0; i < 9; i++) {
             ivec2 offset = ivec2(i % 3, i / 3) - 1;
@@ -63,14 +68,16 @@ void main() {
             vec4 normals = imageLoad(gbuffer_normal, pixel);
             vec4 tap = imageLoad(noisy, at);
             vec3 d = position_at(pixel, depth) - centre.position;
-            bool same = depth > 0.0 && tap.a > 0.0
-                && dot(octahedral_decode(normals.xy), centre.shading) >= MIN_NORMAL_COSINE
+            bool known = depth > 0.0 && tap.a > 0.0;
+            float cosine = dot(octahedral_decode(normals.xy), centre.shading);
+            bool same = known && cosine >= MIN_NORMAL_COSINE
                 && same_surface(d, centre.geometric, octahedral_decode(normals.zw), centre.depth);
             float tap_variance = imageLoad(noisy_variance, at).r;
             // Of both texels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
             float tolerance = LUMINANCE_TOLERANCE * 0.5 * (deviation + sqrt(tap_variance));
             float likeness = exp(-abs(luminance(tap.rgb) - light) / tolerance);
-            float weight = same ? weight_at(offset.x) * weight_at(offset.y) * likeness : 0.0;
+            float surfaces = same ? 1.0 : known ? OTHER_SURFACE * neighbour_weight(cosine, d / footprint) : 0.0;
+            float weight = weight_at(offset.x) * weight_at(offset.y) * likeness * surfaces;
             sum += weight * vec4(tap.rgb, 1.0);
             sum_of_variances += weight * weight * tap_variance;
         }

@@ -23,6 +23,7 @@ layout(push_constant) uniform Push {
     uint clips;                // of the same; 1: history moves towards the middle of the box
     uint has_history;
     uint compress;             // 1: the signal is accumulated in compressed form
+    float widest;              // pixels that the filter reaches; 0: blur is of use everywhere
 } push;
 
 struct History {
@@ -56,10 +57,24 @@ History history_at(ivec2 pixel) {
     return History(sum.light / weights, vec4(mean.x, sqrt(mean.y), mean.zw));
 }
 
+// Share of the new frame in a signal that no blur may touch, where history is interpolated halfway between texels: each such frame
+// blurs it anew.
+const float SHARP_ALPHA = 0.5;
+// Pixels of blur from which on that of interpolation does not matter.
+const float SOFT_RADIUS = 8.0;
+
+// The least share of the new frame, by how sharp the signal is and how far from texels its history is read.
+float sharp_alpha(ivec2 pixel) {
+    float sharpness = max(1.0 - filter_radius(imageLoad(noisy, pixel).a, push.widest) / SOFT_RADIUS, 0.0);
+    vec2 part = fract(imageLoad(reprojected, pixel).xy);
+    vec2 blur = 4.0 * part * (1.0 - part);
+    return SHARP_ALPHA * sharpness * max(blur.x, blur.y);
+}
+
 // Blends the pixel's light, as it counts, and the moments of its luminance with history.
 void accumulate(ivec2 pixel, vec3 now, vec3 counted, History then) {
     float frames = min(then.moments.z + 1.0, push.longest);
-    float alpha = max(push.least_alpha, 1.0 / frames);
+    float alpha = max(max(push.least_alpha, sharp_alpha(pixel)), 1.0 / frames);
     float moments_alpha = max(push.least_moments_alpha, 1.0 / frames);
     float now_luminance = luminance(now);
     float mean = then.moments.x + (now_luminance - then.moments.x) * moments_alpha;

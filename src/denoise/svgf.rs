@@ -86,6 +86,7 @@ struct TemporalPush {
     clips: u32,
     has_history: u32,
     compress: u32,
+    widest: f32,
 }
 
 impl TemporalPush {
@@ -189,6 +190,7 @@ impl Svgf {
         let push = TemporalPush {
             has_history: u32::from(self.history.is_valid()),
             compress: u32::from(self.is_compressed),
+            widest: self.widest,
             ..TemporalPush::new(&self.settings, inputs.camera_moves)
         };
         frame

@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use glowworm::metrics::{CompareOptions, Image, compare};
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
@@ -309,6 +309,34 @@ fn in_motion_the_picture_is_like_the_truth() {
         }
         assert!(least >= 0.95, "{what}: {least}");
     }
+}
+
+/// Stripes of shadow in a mirror: history is interpolated anew in every frame of motion, which blurs them, though no filter does.
+#[test]
+fn a_mirror_stays_sharp_while_the_camera_turns() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut bars = "[[models]]\nname = \"bar\"\nprimitive = \"box\"\nsize = [0.3, 0.1, 12]\n".to_owned();
+    for x in 0..20 {
+        bars += &format!("[[instances]]\nmodel = \"bar\"\ntranslation = [{}, 6, 3]\n", 0.6 * x as f32 - 6.0);
+    }
+    let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", &bars);
+    let at = |frame: u32| {
+        let mut pose = scene.pose(0.0);
+        let turn = Quat::from_rotation_y(0.5_f32.to_radians() * frame as f32);
+        pose.camera.target = pose.camera.eye + turn * (pose.camera.target - pose.camera.eye);
+        pose
+    };
+    let settings = settings(Denoise::SVGF);
+    let mut renderer = gpu.renderer(&scene, &settings, &at(0));
+    (0..24).for_each(|frame| renderer.render(&at(frame)).unwrap());
+    // Mean square of the differences between neighbours.
+    let contrast = |renderer: &Renderer| {
+        let pixels = layer(&renderer.read_picture(true).unwrap(), "reflected");
+        mean(pixels.windows(2).map(|pair| (luminance(&pair[1]) - luminance(&pair[0])).powi(2)))
+    };
+    let share = contrast(&renderer) / contrast(&still(&gpu, &scene, &settings, &at(23)));
+    eprintln!("contrast: {share} of the still mirror's");
+    assert!((0.62..1.1).contains(&share), "{share}");
 }
 
 /// What comes to rest in a pose.

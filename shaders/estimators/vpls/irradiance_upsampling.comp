@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Irradiance of every pixel from all set buffers: where these have half the resolution, by an edge-aware upsampling of
-// set_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves; where
-// none of them has seen it either, from the surfaces around. After a change of settings a first dispatch does that with the old sets
+// set_reprojection.comp; where that has no texel on the surface, or they have the full one, from the set buffers themselves, and from
+// the surfaces around as far as these are uncertain. After a change of settings a first dispatch does that with the old sets
 // and leaves holes where they saw nothing, and a second one fills these from the new sets.
 // Out: irradiance; a: how many sets saw the surface.
 #include "frame.glsl"
@@ -14,6 +14,7 @@
 #include "vpls.glsl"
 #include "representative.glsl"
 #include "same_surface.glsl"
+#include "shrinkage.glsl"
 #define SET_BUFFERS_BINDING 6
 #include "set_buffers.glsl"
 
@@ -62,26 +63,23 @@ bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
     return weights > 0.0;
 }
 
-// Sets that may be black by chance.
-const float FEW_SETS = 4.0;
+// So few sets may be alike by chance, all black as well as all bright.
+const float FEW_SETS = 3.0;
 
-// The irradiance of the lit neighbours that are most like the pixel in position and normal: a disoccluded pixel is wrong, not black.
-vec4 from_neighbours(ivec2 pixel, Surface surface) {
+// The light around a pixel, of all surfaces: a weighted sum, and its weights.
+vec4 around(ivec2 pixel, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
     float footprint = surface.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
     vec4 sum = vec4(0.0);
-    float weights = 0.0;
     for (int i = 0; i < 16; i++) {
         ivec2 texel = clamp(pixel / 2 + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
         vec4 coarse = imageLoad(coarse_irradiance, texel);
         Surface other = surface_at(2 * texel);
-        if (other.depth <= 0.0 || coarse.a <= 0.0 || coarse.rgb == vec3(0.0)) continue;
+        if (other.depth <= 0.0 || coarse.a <= 0.0) continue;
         vec3 d = (other.position - surface.position) / footprint;
-        float weight = (max(dot(other.shading, surface.shading), 0.0) + 0.05) / (1.0 + dot(d, d));
-        sum += weight * coarse;
-        weights += weight;
+        sum += neighbour_weight(dot(other.shading, surface.shading), d) * vec4(coarse.rgb, 1.0);
     }
-    return sum / max(weights, 1e-12);
+    return sum;
 }
 
 void main() {
@@ -95,8 +93,12 @@ void main() {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         float variance;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
+        if (sets.set_step == 2u && sets.holes != 1u) {
+            vec4 neighbours = around(pixel, surface);
+            float few = FEW_SETS / max(sum.a, 1.0);
+            float by_chance = few * few * luminance(neighbours.rgb) / max(neighbours.a, 1e-6);
+            sum = vec4(shrunk(sum.rgb, max(variance, by_chance * by_chance), neighbours), max(sum.a, 1.0));
+        }
     }
-    bool is_black = surface.depth > 0.0 && sum.a < FEW_SETS && sum.rgb == vec3(0.0);
-    if (is_black && sets.set_step == 2u && sets.holes != 1u) sum = from_neighbours(pixel, surface);
     imageStore(irradiance, pixel, storable(sum));
 }

@@ -1,0 +1,13 @@
+// Shrinkage (James and Stein 1961): an estimate is drawn to those of the surfaces around it as far as its variance explains that they
+// differ. Chair legs and what has just come into view, for which few samples speak, are wrong by little then, neither black nor white.
+
+// How much a neighbour says of a surface, by the cosine between their normals and how many texels it is away.
+float neighbour_weight(float cosine, vec3 d) { return (max(cosine, 0.0) + 0.05) / (1.0 + dot(d, d)); }
+
+// The irradiance shrunk to the weighted sum of its neighbours'.
+vec3 shrunk(vec3 irradiance, float variance, vec4 neighbours) {
+    if (neighbours.a <= 0.0) return irradiance;
+    vec3 around = neighbours.rgb / neighbours.a;
+    float difference = luminance(irradiance - around);
+    return mix(irradiance, around, min(variance / max(difference * difference, 1e-12), 1.0));
+}
