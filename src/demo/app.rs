@@ -26,17 +26,18 @@ use super::pointer::Pointer;
 use super::recorder::Recording;
 use super::resolution::Resolution;
 use super::screenshot::Saving;
-use super::session::Session;
+use super::session::{Kept, Session};
 use super::split::{RightSide, Split};
 use super::tour::Tour;
 use super::undo::Press;
 use super::{DemoError, Launch};
-use crate::renderer::DebugView;
 use crate::settings::Settings;
 use crate::vulkan::{Instance, Viewport};
 
 /// Time between frames while nothing changes.
 const CALM: Duration = Duration::from_millis(100);
+/// Time within which a device that is lost again is given up.
+const RELAPSE: Duration = Duration::from_secs(60);
 /// Poll interval while the window is hidden.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
 
@@ -48,6 +49,8 @@ pub(super) struct App {
     pub log: Log,
     /// Outlives the device, for its validation messages.
     instance: Option<Arc<Instance>>,
+    /// When the device was lost the last time, and the file of the edits that were unsaved then.
+    lost: Option<(Instant, Option<PathBuf>)>,
     failed: Option<DemoError>,
 }
 
@@ -86,8 +89,8 @@ pub(super) struct Open {
     pub hidden: bool,
     /// Whether there was input since the last frame.
     pub woken: bool,
-    /// The debug view to restore after the device is recreated.
-    pub saved_view: Option<DebugView>,
+    /// What to restore of the session after the device is recreated.
+    pub kept: Option<Kept>,
     /// Actions from events, for the next frame.
     pub actions: Vec<Action>,
     pub closing: bool,
@@ -99,7 +102,7 @@ pub(super) struct Open {
 impl App {
     pub fn new(launch: Launch) -> Result<Self, DemoError> {
         let log = Log::new(launch.json.as_deref())?;
-        Ok(Self { launch, open: None, log, instance: None, failed: None })
+        Ok(Self { launch, open: None, log, instance: None, lost: None, failed: None })
     }
 
     /// Returns the validation messages, or the error that ended the run.
@@ -159,7 +162,7 @@ impl App {
             resized: None,
             hidden: false,
             woken: false,
-            saved_view: None,
+            kept: None,
             actions: vec![Action::Open(self.launch.scene.clone())],
             closing: false,
             recording: Recording::default(),
@@ -198,10 +201,7 @@ impl App {
         }
         let drawn = self.frame();
         let drawn = match drawn {
-            Err(error) if error.is_device_lost() => {
-                self.log.event("device-lost", error.to_string());
-                self.restart_device(None)
-            }
+            Err(error) if error.is_device_lost() => self.recover(error),
             other => other,
         };
         if let Err(error) = drawn {
@@ -209,6 +209,31 @@ impl App {
         }
         if self.open.as_ref().is_some_and(|open| open.closing) {
             events.exit();
+        }
+    }
+}
+
+impl App {
+    /// Goes on with a new device after one was lost, or ends where that one is lost, too. Either way unsaved edits are in a file.
+    fn recover(&mut self, error: DemoError) -> Result<(), DemoError> {
+        self.log.event("device-lost", error.to_string());
+        let last = self.lost.take().filter(|(at, _)| at.elapsed() < RELAPSE);
+        let again = last.is_some();
+        let kept = self.open.as_ref().and_then(Open::keep_edits);
+        let file = kept.or_else(|| last.and_then(|(_, file)| file));
+        self.lost = Some((Instant::now(), file.clone()));
+        let gone_on = if again { Err(error) } else { self.restart_device(None) };
+        match (gone_on, file) {
+            (Err(error), Some(file)) => Err(DemoError::Lost { error: error.into(), file }),
+            (Ok(()), file) => {
+                if let Some(open) = &mut self.open {
+                    let edits = file.map(|file| format!("; unsaved edits are also in {}", file.display()));
+                    open.panel.message =
+                        format!("the device was lost and is open again{}", edits.unwrap_or_default());
+                }
+                Ok(())
+            }
+            (gone_on, None) => gone_on,
         }
     }
 }

@@ -122,9 +122,11 @@ impl App {
         let info = open.gpu.device.info();
         self.log.event("device", json!({ "name": info.name, "index": info.index }));
         if let Some(session) = session {
-            open.saved_view = Some(session.renderer.view().clone());
             let edited = session.to_build(true);
-            open.request_scene(session.name, Some(edited));
+            open.request_scene(session.name.clone(), Some(edited));
+            open.kept = Some(session.into_kept());
+        } else {
+            open.actions.push(Action::Open(self.launch.scene.clone()));
         }
         Ok(())
     }
@@ -134,6 +136,17 @@ impl Open {
     /// Whether the scene has unsaved edits.
     pub(super) fn is_edited(&self) -> bool {
         self.session.as_ref().is_some_and(Session::is_edited)
+    }
+
+    /// Writes the scene with its unsaved edits to a new file in the current folder; none where there are none, or that fails.
+    pub(super) fn keep_edits(&self) -> Option<PathBuf> {
+        let session = self.session.as_ref().filter(|session| session.is_edited())?;
+        let stem = format!("glowworm-{}-unsaved", session.live_scene.name.replace(['/', '\\'], "-"));
+        let written = screenshot::free_name(&stem, ".toml").and_then(|path| {
+            let text = session.document_to_save(Some(&session.pose.camera)).text_to_save(&path);
+            Saving::text(path, text).finish()
+        });
+        written.inspect_err(|error| log::warn!("{error}")).ok()
     }
 
     /// Whether an action may end the scene: there are no unsaved edits, or the user discards them by the same action again.
