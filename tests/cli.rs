@@ -165,9 +165,13 @@ fn a_lost_device_ends_the_program_with_one_line() {
     for losses in ["1", "60"] {
         let run = Run::new().with("GLOWWORM_LOSE_DEVICE", losses);
         fs::write(run.path("a.png"), "old").unwrap();
-        assert_fails(&run.render("cornell-box", &["--frames", "80"]), 1, &["the device was lost"]);
+        assert_fails(
+            &run.render("cornell-box", &["--frames", "80", "--vpls", "64"]),
+            1,
+            &["the device was lost"],
+        );
         assert_eq!(fs::read(run.path("a.png")).unwrap(), b"old");
-        let small = ["--size", "16x8", "--frames", "80", "--vpls", "16", "--out", "bench"];
+        let small = ["--size", "16x8", "--frames", "80", "--vpls", "64", "--out", "bench"];
         assert_fails(
             &run.glowworm(&[&["bench", "cornell-box"], &small[..]].concat()),
             1,

@@ -21,12 +21,13 @@ use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
 use super::log::Log;
+use super::loss::Kept;
 use super::panel::{self, PanelState, Places, is_map, is_picture};
 use super::pointer::Pointer;
 use super::recorder::Recording;
 use super::resolution::Resolution;
 use super::screenshot::Saving;
-use super::session::{Kept, Session};
+use super::session::Session;
 use super::split::{RightSide, Split};
 use super::tour::Tour;
 use super::undo::Press;
@@ -36,8 +37,6 @@ use crate::vulkan::{Instance, Viewport};
 
 /// Time between frames while nothing changes.
 const CALM: Duration = Duration::from_millis(100);
-/// Time within which a device that is lost again is given up.
-const RELAPSE: Duration = Duration::from_secs(60);
 /// Poll interval while the window is hidden.
 const HIDDEN_POLL: Duration = Duration::from_millis(100);
 
@@ -50,7 +49,7 @@ pub(super) struct App {
     /// Outlives the device, for its validation messages.
     instance: Option<Arc<Instance>>,
     /// When the device was lost the last time, and the file of the edits that were unsaved then.
-    lost: Option<(Instant, Option<PathBuf>)>,
+    pub lost: Option<(Instant, Option<PathBuf>)>,
     failed: Option<DemoError>,
 }
 
@@ -209,31 +208,6 @@ impl App {
         }
         if self.open.as_ref().is_some_and(|open| open.closing) {
             events.exit();
-        }
-    }
-}
-
-impl App {
-    /// Goes on with a new device after one was lost, or ends where that one is lost, too. Either way unsaved edits are in a file.
-    fn recover(&mut self, error: DemoError) -> Result<(), DemoError> {
-        self.log.event("device-lost", error.to_string());
-        let last = self.lost.take().filter(|(at, _)| at.elapsed() < RELAPSE);
-        let again = last.is_some();
-        let kept = self.open.as_ref().and_then(Open::keep_edits);
-        let file = kept.or_else(|| last.and_then(|(_, file)| file));
-        self.lost = Some((Instant::now(), file.clone()));
-        let gone_on = if again { Err(error) } else { self.restart_device(None) };
-        match (gone_on, file) {
-            (Err(error), Some(file)) => Err(DemoError::Lost { error: error.into(), file }),
-            (Ok(()), file) => {
-                if let Some(open) = &mut self.open {
-                    let edits = file.map(|file| format!("; unsaved edits are also in {}", file.display()));
-                    open.panel.message =
-                        format!("the device was lost and is open again{}", edits.unwrap_or_default());
-                }
-                Ok(())
-            }
-            (gone_on, None) => gone_on,
         }
     }
 }

@@ -20,6 +20,7 @@ mod live_metrics;
 mod live_reference;
 mod loader;
 mod log;
+mod loss;
 mod mouse;
 mod panel;
 mod perform;

@@ -12,7 +12,7 @@ use super::loader::{Built, Edited};
 use super::undo::{State, Undo};
 use crate::bvh::Ray;
 use crate::formats::{LightEntry, ReadFiles, SceneDocument, SceneError};
-use crate::renderer::{DebugView, Picked, RenderError, Renderer, camera_ray};
+use crate::renderer::{Picked, RenderError, Renderer, camera_ray};
 use crate::report::FrameReport;
 use crate::scene::{Camera, LightKind, LightType, Pose, Scene};
 use crate::settings::Settings;
@@ -73,17 +73,6 @@ impl Saved {
     }
 }
 
-/// What of a session outlives its device, besides the document and the settings.
-pub(super) struct Kept {
-    pub view: DebugView,
-    selected: Option<Selected>,
-    headlamp: Option<usize>,
-    edits: u64,
-    saved_edits: u64,
-    undo: Undo,
-    saved: Option<Saved>,
-}
-
 /// How an edit takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
@@ -120,21 +109,6 @@ impl Session {
             pose,
             report: FrameReport::default(),
         })
-    }
-
-    /// What is to outlive the device.
-    pub fn into_kept(self) -> Kept {
-        let Self { renderer, selected, headlamp, edits, saved_edits, undo, saved, .. } = self;
-        Kept { view: renderer.view().clone(), selected, headlamp, edits, saved_edits, undo, saved }
-    }
-
-    /// Goes on as before the device was lost.
-    pub fn restore(&mut self, kept: Kept) -> Result<(), RenderError> {
-        self.renderer.set_view(&kept.view)?;
-        let Kept { selected, headlamp, edits, saved_edits, undo, saved, .. } = kept;
-        (self.selected, self.headlamp, self.edits) = (selected, headlamp, edits);
-        (self.saved_edits, self.undo, self.saved) = (saved_edits, undo, saved);
-        Ok(())
     }
 
     /// Takes the edited scene, perhaps with a renderer of its own; keeps later edits.
