@@ -160,8 +160,10 @@ def time_methods(report, size, device):
         if done:
             rows[label] = row_of(label, done)
     for label, row in rows.items():
+        # Where these do not fit, the few stand, and the page says how many they were.
         needs = row["wall_s"] * many / few
-        done = report.render(f"{many} frames of {label}", scene, [*commands[label], "--frames", str(many)], needs, "picture.png")
+        done = report.left() > needs and report.render(
+            f"{many} frames of {label}", scene, [*commands[label], "--frames", str(many)], needs, "picture.png")
         if done:
             rows[label] = row_of(label, done)
     report.results["times"] = {"size": size, "scene": "atrium-flight, the camera moving", "runs": list(rows.values())}

@@ -213,14 +213,14 @@ extension("g-separable-shadows", ("G: a separable blur leaves SSIM of shadows as
           lambda change: holds(abs(change) < 0.01, "it changes it"), shadowed)
 
 
-@claim("g-clip", "G: clipping history is as good as clamping it", "3.6, figure 3.10",
+@claim("g-clip", "G: clipping history is as good as clamping it", "figure 3.10",
        "boxes above a mirror of roughness 0.3, strafing, reflections alone")
 def g_clip(lab):
     found = [reflected(lab, options, "mirror:0.3:camera") for options in [CLAMPED, CLAMPED.replace("clamp clamp", "clamp clip")]]
     return Found({"SSIM clamped": found[0], "clipped": found[1]}, *holds(abs(mean(found[1]) - mean(found[0])) < 0.01, "it is not"))
 
 
-@claim("g-tests", "G: history needs the tests of instance, normal and depth", "3.5, figure 3.9",
+@claim("g-tests", "G: history needs the tests of instance, normal and depth", "figure 3.9",
        "boxes under a sun of half angle 4 degrees, strafing fast, shadows alone, each test left out by itself: RMSE")
 def g_tests(lab):
     of = lambda tests: shadowed(lab, " ".join([PLAIN, *(f"--reprojection-{test} false" for test in tests)]), "penumbra:4:fast-camera", "rmse")
@@ -232,7 +232,7 @@ def g_tests(lab):
                  *holds(needed == 3, f"{needed} of 3: what one rejects the others do, too"))
 
 
-@claim("g-iterations", "G: no iteration of the blur in a mirror, and one up to roughness 0.05, are sharper than four", "3.7, figure 3.12",
+@claim("g-iterations", "G: no iteration of the blur in a mirror, and one up to roughness 0.05, are sharper than four", "figure 3.12",
        "boxes above a mirror of roughness 0 and 0.05; rays at second hits, where the thesis has image-based light: SSIM")
 def g_iterations(lab):
     figures, better = {}, []
