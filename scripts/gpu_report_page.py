@@ -43,10 +43,10 @@ def times(results):
     for row in runs:
         fps = row.get("frames_a_second")
         plain = row["name"].split(", hardware")[0].split(", software")[0]
-        rows.append([row["name"], f"{row['ms']:.2f}", f"{fps:.1f}" if fps else "", rays_of(row, size), PAPER_RAYS.get(plain, ""),
+        rows.append([row["name"], row["frames"], f"{row['ms']:.2f}", f"{fps:.1f}" if fps else "", rays_of(row, size), PAPER_RAYS.get(plain, ""),
                      f"{row['device_memory'] / 2**20:.0f}"])
-    head = ["method", "ms a frame", "frames a second", "rays a pixel", "on paper", "device memory, MiB"]
-    text = table(head, rows) + "\n### Passes\n\nMilliseconds, medians.\n\n"
+    head = ["method", "frames", "ms a frame", "frames a second", "rays a pixel", "on paper", "device memory, MiB"]
+    text = table(head, rows) + "\n### Passes\n\nMilliseconds, medians; a stage stands before its parts.\n\n"
     for row in runs:
         passes = ", ".join(f"`{name}` {ms:.3f}" for name, ms in row["passes"].items())
         text += f"- **{row['name']}**: {passes}\n"
@@ -71,6 +71,6 @@ def page(results):
     if results["skipped"]:
         text += "\nNot run, as the time was over: " + "; ".join(results["skipped"]) + ".\n"
     text += "\n## Checks\n\nThe Cornell box, 96x72.\n\n" + checks(results)
-    text += f"\n## Times\n\n{results['times']['scene']}, {results['times']['size']}. Frames a second: of the loop, which overlaps CPU and "
-    text += "device and presents nothing.\n\n" + times(results)
+    text += f"\n## Times\n\n{results['times']['scene']}, {results['times']['size']}. Milliseconds: passes of CPU and device, one after another. "
+    text += "Frames a second: of the loop, which overlaps both and presents nothing.\n\n" + times(results)
     return text + "\n## Rays\n\nOf real frames, the atrium, 256x256.\n\n" + speeds(results)

@@ -182,12 +182,17 @@ def reflected(lab, options, scene=ROUGH, name="ssim"):
     return metric(lab.compared(scene, options, 16, bounces=1, layer="reflected"), name)
 
 
-def extension(name, title, before, after, verdict):
+def shadowed(lab, options, scene="penumbra:10:still", name="ssim"):
+    return metric(lab.compared(scene, options, 16, bounces=0, layer="shadow"), name)
+
+
+def extension(name, title, before, after, verdict, of=reflected):
     def measure(lab):
-        found = reflected(lab, before), reflected(lab, after)
+        found = of(lab, before), of(lab, after)
         return Found({"SSIM before": found[0], "after": found[1]}, *verdict(mean(found[1]) - mean(found[0])))
-    claim(name, title[0], title[1], "boxes above a mirror of roughness 0.3, reflections alone, the extensions before it on",
-          in_ci=name == "g-clamp")(measure)
+    what = "boxes above a mirror of roughness 0.3, reflections alone" if of is reflected \
+        else "boxes under a sun of half angle 10 degrees, shadows alone"
+    claim(name, title[0], title[1], f"{what}, the extensions before it on", in_ci=name == "g-clamp")(measure)
 
 
 extension("g-clamp", ("G: clamping history costs SSIM at roughness 0.1 to 0.4", "5.2.1"), PLAIN, CLAMPED,
@@ -198,6 +203,44 @@ extension("g-separable", ("G: a separable blur leaves SSIM as it was", "5.2.3"),
           lambda change: holds(abs(change) < 0.01, "it changes it"))
 extension("g-reinhard", ("G: averaging by Reinhard's curve costs little SSIM", "5.2.4"), SEPARABLE, REINHARD,
           lambda change: holds(abs(change) < 0.01, "it changes it more"))
+
+
+extension("g-clamp-shadows", ("G: clamping history costs SSIM in wide penumbrae", "5.2.1"), PLAIN, CLAMPED,
+          lambda change: holds(change < -0.001, "it does not"), shadowed)
+extension("g-widened-shadows", ("G: adapting the blur to penumbrae leaves SSIM as it was", "5.2.2"), CLAMPED, WIDENED,
+          lambda change: holds(abs(change) < 0.01, "it changes it"), shadowed)
+extension("g-separable-shadows", ("G: a separable blur leaves SSIM of shadows as it was", "5.2.3"), WIDENED, SEPARABLE,
+          lambda change: holds(abs(change) < 0.01, "it changes it"), shadowed)
+
+
+@claim("g-clip", "G: clipping history is as good as clamping it", "figure 3.10",
+       "boxes above a mirror of roughness 0.3, strafing, reflections alone")
+def g_clip(lab):
+    found = [reflected(lab, options, "mirror:0.3:camera") for options in [CLAMPED, CLAMPED.replace("clamp clamp", "clamp clip")]]
+    return Found({"SSIM clamped": found[0], "clipped": found[1]}, *holds(abs(mean(found[1]) - mean(found[0])) < 0.01, "it is not"))
+
+
+@claim("g-tests", "G: history needs the tests of instance, normal and depth", "figure 3.9",
+       "boxes under a sun of half angle 4 degrees, strafing fast, shadows alone, each test left out by itself: RMSE")
+def g_tests(lab):
+    of = lambda tests: shadowed(lab, " ".join([PLAIN, *(f"--reprojection-{test} false" for test in tests)]), "penumbra:4:fast-camera", "rmse")
+    tests = ["instance", "normal", "depth"]
+    every, none = of([]), of(tests)
+    without = {f"without {test}": of([test]) for test in tests}
+    needed = sum(mean(found) > 1.01 * mean(every) for found in without.values())
+    return Found({"all": every} | without | {"without any": none},
+                 *holds(needed == 3, f"{needed} of 3: what one rejects the others do, too"))
+
+
+@claim("g-iterations", "G: no iteration of the blur in a mirror, and one up to roughness 0.05, are sharper than four", "figure 3.12",
+       "boxes above a mirror of roughness 0 and 0.05; rays at second hits, where the thesis has image-based light: SSIM")
+def g_iterations(lab):
+    figures, better = {}, []
+    for roughness, levels in [("0", 0), ("0.05", 1)]:
+        four, few = (reflected(lab, f"{PLAIN} --reflections-svgf-levels {count}", f"mirror:{roughness}:still") for count in [4, levels])
+        figures |= {f"roughness {roughness}, 4": four, f"{levels}" + " " * levels: few}
+        better.append(mean(few) > mean(four) + 0.001)
+    return Found(figures, *holds(all(better), "they are alike"))
 
 
 @claim("g-roughness", "G: SSIM is lowest in sharp mirrors and above 0.94 beyond (cubes, still)", "tables 5.3 to 5.8",

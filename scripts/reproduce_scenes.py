@@ -108,7 +108,13 @@ material = { albedo = [0.7, 0.7, 0.7] }
 model = "step"
 translation = [2.6, 0.25, 0]
 """
-STRAFE = "animation = { keyframes = [{ time = 0 }, { time = 2, translation = [1.5, 0, 0] }] }"
+STRAFE = "animation = { keyframes = [{ time = 0 }, { time = SECONDS, translation = [1.5, 0, 0] }] }"
+# Seconds of that by the motion of a scene.
+STRAFES = {"camera": "2", "fast-camera": "0.25"}
+
+
+def strafe(motion):
+    return STRAFE.replace("SECONDS", STRAFES[motion]) if motion in STRAFES else ""
 
 
 def text_of(name):
@@ -118,8 +124,12 @@ def text_of(name):
         return FLIGHT.replace("SECONDS", parameters[0] if parameters else "4")
     if kind == "mirror":
         roughness, motion = parameters
-        return (MIRROR.replace("ROUGHNESS", roughness).replace("MOTION", STRAFE if motion == "camera" else "")
-                .replace("ANGLE", "2"))
+        return MIRROR.replace("ROUGHNESS", roughness).replace("MOTION", strafe(motion)).replace("ANGLE", "2")
+    if kind == "penumbra":
+        # The boxes on a rough floor under a sun of some half angle.
+        angle, motion = parameters
+        return (MIRROR.replace("roughness = ROUGHNESS, metallic = 1", "roughness = 1").replace("MOTION", strafe(motion))
+                .replace("ANGLE", angle))
     if kind == "shadow":
         return SHADOW.replace("BOX", "").replace("FOV", "45")
     if kind == "step":
@@ -130,4 +140,4 @@ def text_of(name):
 
 
 def moves(name):
-    return name.startswith("flight") or name.endswith(":camera")
+    return name.startswith("flight") or name.endswith("camera")

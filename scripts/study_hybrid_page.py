@@ -77,6 +77,7 @@ TESTS = """## Where each claim is tested
 | spectrum of blue and white noise | `tests/device/noise.rs` |
 | each stage of SVGF against its CPU twin; impulse, edge, grazing plane, alpha, NaN | `tests/denoise/` |
 | disocclusion, reach of history, lights that go | `tests/denoise/`, `tests/renderer/soft_shadows.rs`, `reflections.rs` |
+| a blur that roughness and penumbrae widen; each test of reprojection left out by itself | `tests/denoise/svgf.rs`, `reprojection.rs` |
 | separable blur: time beside the full one | `benches/passes.rs` |
 | antialiasing: edges, contrast in motion, trails | `tests/renderer/taa.rs` |
 | stillness bit for bit, no dependence on the past | `tests/renderer/soft_shadows.rs`, `mirrors.rs`, `taa.rs` |

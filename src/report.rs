@@ -168,6 +168,8 @@ pub struct RenderReport {
     pub load: LoadTimes,
     /// Most device memory in use at once, bytes.
     pub device_memory: u64,
+    /// From one frame to the next, median over those after the first two, milliseconds; none if there are none.
+    pub interval_ms: Option<f64>,
     /// Every frame, in order.
     pub frames: Vec<FrameReport>,
     /// Median and 95th percentile; none if there are no frames.
@@ -193,6 +195,7 @@ impl RenderReport {
             commit: COMMIT,
             load,
             device_memory: 0,
+            interval_ms: None,
             summary: Summary::of(&frames),
             frames,
         }
@@ -202,6 +205,12 @@ impl RenderReport {
     #[must_use]
     pub fn with_device_memory(self, device_memory: u64) -> Self {
         Self { device_memory, ..self }
+    }
+
+    /// The same with the time from one frame to the next.
+    #[must_use]
+    pub fn with_interval(self, interval_ms: Option<f64>) -> Self {
+        Self { interval_ms, ..self }
     }
 
     /// The run in one line.
@@ -277,7 +286,10 @@ mod tests {
         };
         let top =
             vec!["scene", "device", "driver", "tracer", "direct", "settings", "commit", "frames", "summary"];
-        assert_eq!(keys(&json), sorted([top, vec!["load_ms", "bvh_ms", "device_memory"]].concat()));
+        assert_eq!(
+            keys(&json),
+            sorted([top, vec!["load_ms", "bvh_ms", "device_memory", "interval_ms"]].concat())
+        );
         assert_eq!((&json["load_ms"], &json["bvh_ms"]), (&12.0.into(), &3.0.into()));
         let figures = vec!["total_ms", "passes", "vpls", "shadow_rays"];
         let first = &json["frames"][0];

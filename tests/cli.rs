@@ -159,6 +159,27 @@ fn without_a_driver_it_says_so() {
     assert_fails(&run.glowworm(&["info"]), 1, &["no usable Vulkan device"]);
 }
 
+/// At the first submission, while the scene is uploaded, and later, while frames are rendered.
+#[test]
+fn a_lost_device_ends_the_program_with_one_line() {
+    for losses in ["1", "60"] {
+        let run = Run::new().with("GLOWWORM_LOSE_DEVICE", losses);
+        fs::write(run.path("a.png"), "old").unwrap();
+        assert_fails(
+            &run.render("cornell-box", &["--frames", "80", "--vpls", "64"]),
+            1,
+            &["the device was lost"],
+        );
+        assert_eq!(fs::read(run.path("a.png")).unwrap(), b"old");
+        let small = ["--size", "16x8", "--frames", "80", "--vpls", "64", "--out", "bench"];
+        assert_fails(
+            &run.glowworm(&[&["bench", "cornell-box"], &small[..]].concat()),
+            1,
+            &["the device was lost"],
+        );
+    }
+}
+
 /// The system's loader cannot be removed for one test, so a broken one that is found first replaces it: both fail in
 /// `dlopen`.
 #[cfg(target_os = "linux")]

@@ -233,6 +233,7 @@ SeenImage image_of(Surface mirror, FirstHit hit) {
 }
 
 VisibleSurface last_surface_at(ivec2 texel) { return unpack_surface(imageLoad(last_image_surface, texel)); }
+#define REPROJECTION_TESTS 3
 #include "reprojected_surface.glsl"
 
 // Where the mirror image was in the last frame, and which texels showed it there, or if it is blurred, its mirror: as `reprojected`.

@@ -1,5 +1,10 @@
 // Which texels of the last frame show a surface that was expected there, for all that follows surfaces from frame to frame. Needs
-// frame.glsl, visible_surface.glsl and `VisibleSurface last_surface_at(ivec2 texel)`.
+// frame.glsl, visible_surface.glsl, `VisibleSurface last_surface_at(ivec2 texel)`, and REPROJECTION_TESTS, the number of a
+// specialisation constant.
+
+// Tests that a texel must pass, a bit each; studies leave one out (Granja 2021, figure 3.9).
+layout(constant_id = REPROJECTION_TESTS) const uint TESTS = 7u;
+const uint INSTANCE_TEST = 1u, NORMAL_TEST = 2u, DEPTH_TEST = 4u;
 
 // A surface as the last frame should have seen it, and by how much the depth of a texel may differ.
 struct ExpectedSurface {
@@ -24,8 +29,10 @@ float depth_tolerance(float rounding, vec3 geometric, vec3 position, float pixel
 bool shows(ExpectedSurface expected, ivec2 texel) {
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(frame.size)))) return false;
     VisibleSurface there = last_surface_at(texel);
-    return there.depth > 0.0 && there.instance == expected.surface.instance && dot(there.normal, expected.surface.normal) > MIN_COSINE
-        && abs(there.depth - expected.surface.depth) < expected.tolerance;
+    uint failed = (there.instance == expected.surface.instance ? 0u : INSTANCE_TEST)
+        | (dot(there.normal, expected.surface.normal) > MIN_COSINE ? 0u : NORMAL_TEST)
+        | (abs(there.depth - expected.surface.depth) < expected.tolerance ? 0u : DEPTH_TEST);
+    return there.depth > 0.0 && (failed & TESTS) == 0u;
 }
 
 // Which of the four texels around a place show the surface, a bit each by rows; where none does, which of the 3x3 around the nearest

@@ -23,6 +23,7 @@ layout(set = 0, binding = 8, rgba16f) uniform writeonly image2D reprojected;
 layout(push_constant) uniform Push { uint has_history; } push;
 
 VisibleSurface last_surface_at(ivec2 texel) { return unpack_surface(imageLoad(last_surface, texel)); }
+#define REPROJECTION_TESTS 0
 #include "reprojected_surface.glsl"
 
 // Share of the depth; rounding of motion and normals.

@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::options::{CameraOptions, RunOptions};
 use super::progress::{frames_bar, preparing};
@@ -18,6 +19,7 @@ use crate::renderer::{DebugView, Renderer, Replay};
 use crate::report::{FrameReport, LoadTimes, RenderReport, Resolved};
 use crate::scene::{Scene, luminance};
 use crate::settings::{GivenSettings, Settings, read_seconds};
+use crate::statistics::percentile;
 
 /// Options of `render`.
 #[derive(Clone, Debug, clap::Args)]
@@ -169,7 +171,7 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     let mut replay = preparing(|| Replay::new(&device, &scene, &settings, assets, start))?;
     let load = LoadTimes { load_ms, bvh_ms: replay.renderer().bvh_ms() };
     replay.renderer().set_view(&options.view.debug_view())?;
-    let (reports, extreme) =
+    let Rendered { reports, interval_ms, extreme } =
         render_frames(&mut replay, frames, &target, settings.exposure, dataset.as_mut())?;
     if let Some(dataset) = dataset {
         dataset.finish(scene.bounding_sphere(&scene.pose(0.0)).radius)?;
@@ -187,7 +189,8 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     device::check_validation(&device.validation_messages())?;
     let info = device.info();
     let report = RenderReport::new(&scene.name, info, resolved, &settings, load, reports)
-        .with_device_memory(device.memory_peak());
+        .with_device_memory(device.memory_peak())
+        .with_interval(interval_ms);
     if let Some(json) = json {
         json.save_json(&report)?;
     }
@@ -237,19 +240,32 @@ fn dataset(folder: &Path, scene: &Scene, settings: &Settings) -> Result<LiveData
     }
 }
 
-/// Renders frames 0 to `frames` - 1 and writes the pictures of `target` and `dataset`. Shows progress on a terminal. Returns the
-/// report of each frame, and what is extreme about the last picture.
+/// Frames that wait for no earlier one.
+const IN_FLIGHT: usize = 2;
+
+/// What came of the frames of a run.
+struct Rendered {
+    reports: Vec<FrameReport>,
+    /// From one frame to the next, median: the time of the loop without what writes pictures.
+    interval_ms: Option<f64>,
+    /// What is extreme about the last picture.
+    extreme: Option<&'static str>,
+}
+
+/// Renders frames 0 to `frames` - 1 and writes the pictures of `target` and `dataset`. Shows progress on a terminal.
 fn render_frames(
     replay: &mut Replay,
     frames: u64,
     target: &PictureTarget,
     exposure: Option<f32>,
     mut dataset: Option<&mut LiveDataset>,
-) -> Result<(Vec<FrameReport>, Option<&'static str>), CliError> {
+) -> Result<Rendered, CliError> {
     let progress = frames_bar(frames);
-    let mut extreme = None;
+    let (mut intervals, mut extreme) = (Vec::new(), None);
     for frame in 0..frames {
+        let begun = Instant::now();
         replay.next_frame()?;
+        intervals.push(begun.elapsed().as_secs_f64() * 1e3);
         if let Some(dataset) = &mut dataset {
             let pose = replay.pose().clone();
             dataset.write(replay.renderer(), &pose)?;
@@ -262,5 +278,6 @@ fn render_frames(
         progress.inc(1);
     }
     progress.finish_and_clear();
-    Ok((replay.renderer().finish()?, extreme))
+    let interval_ms = percentile(intervals.into_iter().skip(IN_FLIGHT), 0.5);
+    Ok(Rendered { reports: replay.renderer().finish()?, interval_ms, extreme })
 }

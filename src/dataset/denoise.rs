@@ -86,7 +86,7 @@ impl DatasetDenoiser {
             settings: settings.clone(),
             images,
             thin_surfaces: is_thin.then(thin_surfaces).transpose()?,
-            reprojection: ReprojectionPass::new(device, extent)?,
+            reprojection: ReprojectionPass::new(device, extent, settings.effects.reprojection_tests())?,
             denoiser: denoise::make(&context)?,
             combine: CombinePass::new(device, is_thin, extent)?,
             gpu_scene: GpuScene::new(device, &scene, RayTracer::Software, &bvh)?,

@@ -21,6 +21,7 @@ use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
 use super::log::Log;
+use super::loss::Kept;
 use super::panel::{self, PanelState, Places, is_map, is_picture};
 use super::pointer::Pointer;
 use super::recorder::Recording;
@@ -31,7 +32,6 @@ use super::split::{RightSide, Split};
 use super::tour::Tour;
 use super::undo::Press;
 use super::{DemoError, Launch};
-use crate::renderer::DebugView;
 use crate::settings::Settings;
 use crate::vulkan::{Instance, Viewport};
 
@@ -48,6 +48,8 @@ pub(super) struct App {
     pub log: Log,
     /// Outlives the device, for its validation messages.
     instance: Option<Arc<Instance>>,
+    /// When the device was lost the last time, and the file of the edits that were unsaved then.
+    pub lost: Option<(Instant, Option<PathBuf>)>,
     failed: Option<DemoError>,
 }
 
@@ -86,8 +88,8 @@ pub(super) struct Open {
     pub hidden: bool,
     /// Whether there was input since the last frame.
     pub woken: bool,
-    /// The debug view to restore after the device is recreated.
-    pub saved_view: Option<DebugView>,
+    /// What to restore of the session after the device is recreated.
+    pub kept: Option<Kept>,
     /// Actions from events, for the next frame.
     pub actions: Vec<Action>,
     pub closing: bool,
@@ -99,7 +101,7 @@ pub(super) struct Open {
 impl App {
     pub fn new(launch: Launch) -> Result<Self, DemoError> {
         let log = Log::new(launch.json.as_deref())?;
-        Ok(Self { launch, open: None, log, instance: None, failed: None })
+        Ok(Self { launch, open: None, log, instance: None, lost: None, failed: None })
     }
 
     /// Returns the validation messages, or the error that ended the run.
@@ -159,7 +161,7 @@ impl App {
             resized: None,
             hidden: false,
             woken: false,
-            saved_view: None,
+            kept: None,
             actions: vec![Action::Open(self.launch.scene.clone())],
             closing: false,
             recording: Recording::default(),
@@ -198,10 +200,7 @@ impl App {
         }
         let drawn = self.frame();
         let drawn = match drawn {
-            Err(error) if error.is_device_lost() => {
-                self.log.event("device-lost", error.to_string());
-                self.restart_device(None)
-            }
+            Err(error) if error.is_device_lost() => self.recover(error),
             other => other,
         };
         if let Err(error) = drawn {

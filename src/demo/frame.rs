@@ -194,8 +194,8 @@ impl Open {
             _ => {
                 // An edit of a scene that is no longer shown.
                 let Some(mut session) = Session::new(built) else { return Ok(()) };
-                if let Some(view) = self.saved_view.take() {
-                    session.renderer.set_view(&view)?;
+                if let Some(kept) = self.kept.take() {
+                    session.restore(kept)?;
                 } else {
                     let warnings = session.renderer.warnings().into_iter();
                     session

@@ -20,6 +20,7 @@ mod live_metrics;
 mod live_reference;
 mod loader;
 mod log;
+mod loss;
 mod mouse;
 mod panel;
 mod perform;
@@ -124,6 +125,14 @@ pub enum DemoError {
     /// The thread that loads scenes has failed.
     #[error("loading: {0}")]
     Loading(String),
+    /// The device was lost for good; unsaved edits were kept.
+    #[error("{error}; the scene with its unsaved edits is in {}", file.display())]
+    Lost {
+        /// Why there is no device.
+        error: Box<DemoError>,
+        /// The scene file.
+        file: PathBuf,
+    },
 }
 
 impl DemoError {

@@ -2,13 +2,10 @@
 
 use std::path::PathBuf;
 
-use serde_json::json;
-
 use super::DemoError;
 use super::action::Action;
 use super::app::{App, Open, slow_click_context};
 use super::edit::{free_name, free_place, new_light};
-use super::gpu::Gpu;
 use super::loader::{Edited, LoadRequest};
 use super::panel::Purpose;
 use super::recorder::Recording;
@@ -106,28 +103,6 @@ impl App {
         }
         Ok(())
     }
-
-    /// Closes the device and opens another or the same one, with the same scene.
-    pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
-        let Some(open) = &mut self.open else { return Ok(()) };
-        open.loader.stop();
-        (open.split, open.comparison) = (None, None);
-        open.panel.forget_textures();
-        let session = open.session.take();
-        let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
-        let mode = open.gpu.presenter.mode();
-        open.gpu.presenter.close();
-        open.gpu = Gpu::open_on(open.gpu.instance(), &open.window, wanted.as_deref(), mode)?;
-        open.recreate_ui();
-        let info = open.gpu.device.info();
-        self.log.event("device", json!({ "name": info.name, "index": info.index }));
-        if let Some(session) = session {
-            open.saved_view = Some(session.renderer.view().clone());
-            let edited = session.to_build(true);
-            open.request_scene(session.name, Some(edited));
-        }
-        Ok(())
-    }
 }
 
 impl Open {
@@ -193,7 +168,7 @@ impl Open {
     }
 
     /// Requests a scene, as edited or from disk.
-    fn request_scene(&mut self, name: String, edited: Option<Edited>) {
+    pub(super) fn request_scene(&mut self, name: String, edited: Option<Edited>) {
         let request = LoadRequest {
             name,
             edited,
@@ -385,7 +360,7 @@ impl Open {
     }
 
     /// Recreates the egui context with its state, so that it uploads its textures again.
-    fn recreate_ui(&mut self) {
+    pub(super) fn recreate_ui(&mut self) {
         let context = slow_click_context();
         let memory = self.egui.egui_ctx().memory(Clone::clone);
         context.memory_mut(|fresh| *fresh = memory);

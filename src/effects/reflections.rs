@@ -99,7 +99,7 @@ impl Reflections {
                 device,
                 "reflections_trace",
                 shader,
-                &[white, settings.effects.reflection_depth],
+                &[white, settings.effects.reflection_depth, settings.effects.reprojection_tests()],
             )?,
             noisy: image("noisy reflection", halves)?,
             hit_place: image("hit_place", vk::Format::R32G32B32A32_UINT)?,

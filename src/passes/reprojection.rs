@@ -52,14 +52,15 @@ pub struct ReprojectionPass {
 }
 
 impl ReprojectionPass {
-    /// Makes the pipeline, and the images of `extent` texels.
+    /// Makes the pipeline, with the `tests` of [`crate::settings::EffectSettings::reprojection_tests`], and the images of `extent` texels.
     ///
     /// # Errors
     /// Where the device lacks memory.
-    pub fn new(device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
+    pub fn new(device: &Arc<Device>, extent: [u32; 2], tests: u32) -> Result<Self, VulkanError> {
+        let shader = shaders::REPROJECTION_COMP;
         let surface = |_| storage_image(device, "surface", vk::Format::R16G16B16A16_UINT, extent);
         Ok(Self {
-            pipeline: ComputePipeline::new(device, "reprojection", shaders::REPROJECTION_COMP)?,
+            pipeline: ComputePipeline::specialised(device, "reprojection", shader, &[tests])?,
             output: Reprojection {
                 surfaces: History::new(surface)?,
                 reprojected: storage_image(device, "reprojected", vk::Format::R16G16B16A16_SFLOAT, extent)?,

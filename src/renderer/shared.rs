@@ -71,9 +71,10 @@ impl SharedPasses {
         // A spatial filter alone follows nothing.
         let has_history = is_noisy || settings.effects.denoise == Denoise::BMFR;
         let follows_surfaces = reflections || has_history || settings.direct != Direct::Hard;
+        let followed = if follows_surfaces { size } else { [1, 1] };
         Ok(Self {
             gbuffer,
-            reprojection: ReprojectionPass::new(device, if follows_surfaces { size } else { [1, 1] })?,
+            reprojection: ReprojectionPass::new(device, followed, settings.effects.reprojection_tests())?,
             follows_surfaces,
             direct: DirectPasses::new(device, tracer, settings)?,
             reflections: reflections.then(|| Reflections::new(device, tracer, settings)).transpose()?,

@@ -44,6 +44,20 @@ settings! {
     /// Roughness up to which surfaces mirror; rougher ones blend smoothly into their mean irradiance; auto: 1 with --indirect paths,
     /// else 0.6. More: truer rough surfaces, more rays.
     "reflection_roughness" reflection_roughness: Option<f32> = None, Kind::Auto(&ROUGHNESS);
+    /// Whether history is only of the same instance; for comparison. Costs nothing.
+    "reprojection_instance" reprojection_instance: bool = true, Kind::Flag;
+    /// Whether history is only of surfaces whose normals differ by less than 45 degrees; for comparison. Costs nothing.
+    "reprojection_normal" reprojection_normal: bool = true, Kind::Flag;
+    /// Whether history is only of surfaces as far from the eye as is expected; for comparison. Costs nothing.
+    "reprojection_depth" reprojection_depth: bool = true, Kind::Flag;
+}
+
+impl EffectSettings {
+    /// Which tests reprojected history must pass. Twin: `TESTS` in shaders/include/reprojected_surface.glsl.
+    pub fn reprojection_tests(&self) -> u32 {
+        let tests = [self.reprojection_instance, self.reprojection_normal, self.reprojection_depth];
+        tests.iter().enumerate().map(|(bit, &is_on)| u32::from(is_on) << bit).sum()
+    }
 }
 
 /// The range of roughness.

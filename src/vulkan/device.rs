@@ -7,6 +7,7 @@ use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use super::instance::creation_lock;
+use super::loss::Loss;
 use super::meter::MemoryMeter;
 use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
 use super::pipeline::{Compute, ComputeKey, Graphics, GraphicsDescription, Living};
@@ -30,6 +31,7 @@ pub struct Device {
     queue: Mutex<vk::Queue>,
     queue_family: u32,
     info: DeviceInfo,
+    loss: Loss,
     instance: Arc<Instance>,
 }
 
@@ -96,6 +98,7 @@ impl Device {
             queue: Mutex::new(queue),
             queue_family,
             info,
+            loss: Loss::default(),
             instance: Arc::clone(instance),
         }))
     }
@@ -234,6 +237,22 @@ impl Device {
         }
     }
 
+    /// Submits recorded commands, after which `fence` is signalled.
+    ///
+    /// # Safety
+    /// What they use must live until then.
+    pub(super) unsafe fn submit(
+        &self,
+        commands: vk::SubmitInfo2<'_>,
+        fence: vk::Fence,
+    ) -> Result<(), vk::Result> {
+        if self.loss.strikes() {
+            return Err(vk::Result::ERROR_DEVICE_LOST);
+        }
+        // SAFETY: the caller's; the lock keeps other threads off the queue.
+        unsafe { self.raw.queue_submit2(*self.queue(), &[commands], fence) }
+    }
+
     fn run_in_pool(
         &self,
         pool: vk::CommandPool,
@@ -250,7 +269,7 @@ impl Device {
             let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&buffers);
             let fence = self.raw.create_fence(&vk::FenceCreateInfo::default(), None)?;
-            let submitted = self.raw.queue_submit2(*self.queue(), &[submit], fence);
+            let submitted = self.submit(submit, fence);
             // Wait for the fence, not the queue: other threads may submit meanwhile.
             let result = submitted.and_then(|()| self.raw.wait_for_fences(&[fence], true, u64::MAX));
             self.raw.destroy_fence(fence, None);

@@ -27,7 +27,7 @@ pub enum VulkanError {
     )]
     NoValidation,
     /// A Vulkan call failed.
-    #[error("Vulkan: {operation} of {object} failed: {result}")]
+    #[error("Vulkan: {operation} of {object} failed: {}", reason(*result))]
     Call {
         /// The operation.
         operation: &'static str,
@@ -78,6 +78,17 @@ pub enum VulkanError {
         /// What is wrong.
         problem: String,
     },
+}
+
+/// What a code means to whoever reads the line.
+fn reason(result: vk::Result) -> String {
+    match result {
+        vk::Result::ERROR_DEVICE_LOST => {
+            "the device was lost, as after a reset of its driver; run it again, or on another --device"
+                .to_owned()
+        }
+        other => other.to_string(),
+    }
 }
 
 impl VulkanError {

@@ -225,7 +225,7 @@ impl Slot {
         unsafe {
             let raw = self.device.raw();
             raw.end_command_buffer(self.commands).map_err(error)?;
-            raw.queue_submit2(*self.device.queue(), &[submit], self.fence).map_err(error)?;
+            self.device.submit(submit, self.fence).map_err(error)?;
         }
         self.submitted = Some(self.frame);
         Ok(())

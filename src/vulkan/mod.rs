@@ -16,6 +16,7 @@ mod frame;
 mod frame_slot;
 mod instance;
 mod layout;
+mod loss;
 mod material_sets;
 mod memory;
 mod meter;

@@ -9,6 +9,7 @@ mod compare;
 mod drop;
 mod edits;
 mod log;
+mod loss;
 mod methods;
 mod newcomer;
 mod opening;

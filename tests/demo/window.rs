@@ -52,15 +52,24 @@ pub struct Demo<'d> {
 impl<'d> Demo<'d> {
     /// Starts the program and waits until it shows its scene.
     pub fn start(server: &'d XServer, arguments: &[&str]) -> Self {
+        Self::start_losing(server, "", arguments)
+    }
+
+    /// The same, with devices that are lost at some submissions.
+    pub fn start_losing(server: &'d XServer, losses: &str, arguments: &[&str]) -> Self {
         // The first lines were read before.
         let cache = Path::new(CACHE).join("glowworm");
         std::fs::create_dir_all(&cache).unwrap();
         std::fs::write(cache.join(WELCOMED), "").unwrap();
-        Self::start_as_it_is(server, arguments)
+        Self::start_with(server, losses, arguments)
     }
 
     /// The same, whether the first lines were read or not.
     pub fn start_as_it_is(server: &'d XServer, arguments: &[&str]) -> Self {
+        Self::start_with(server, "", arguments)
+    }
+
+    fn start_with(server: &'d XServer, losses: &str, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let said = folder.path().join("stderr.txt");
         let child = server
@@ -71,6 +80,7 @@ impl<'d> Demo<'d> {
             .current_dir(folder.path())
             .env_remove("RUST_LOG")
             .env("XDG_CACHE_HOME", CACHE)
+            .env("GLOWWORM_LOSE_DEVICE", losses)
             .stderr(File::create(&said).unwrap())
             .spawn()
             .unwrap();
@@ -300,6 +310,17 @@ impl<'d> Demo<'d> {
         assert_eq!(closed["event"], "closed");
         assert_eq!(closed["details"]["validation_messages"], 0);
         log
+    }
+
+    /// Waits until it ends by itself: the exit code, and what it said besides events.
+    pub fn end(mut self) -> (Option<i32>, String) {
+        let mut ended = None;
+        wait_until("it ends", || {
+            ended = has_ended(&mut self.child);
+            ended.is_some()
+        });
+        self.events();
+        (ended.unwrap().code(), self.log.other().to_owned())
     }
 
     /// Runs the program with `arguments`, which write the picture `out`: the same as on `screen`, pixel by pixel.

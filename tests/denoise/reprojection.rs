@@ -5,7 +5,7 @@ use glam::{IVec2, Vec3, Vec4};
 use glowworm::gpu_scene::environment::EnvironmentTexture;
 use glowworm::gpu_scene::structs::InstanceData;
 use glowworm::passes::reprojection::{ReprojectionInputs, ReprojectionPass};
-use glowworm::settings::SvgfSettings;
+use glowworm::settings::{EffectSettings, SvgfSettings};
 use glowworm::vulkan::{Buffer, Image, vk};
 
 use crate::gpu::GpuFixture;
@@ -27,11 +27,18 @@ struct Reprojection {
     bench: Bench,
     pass: ReprojectionPass,
     instances: Buffer,
+    /// Of all surfaces.
+    normal: Vec3,
 }
 
 impl Reprojection {
     /// `depths` of the objects a frame ago, over those of now; all else stays.
     fn new(gpu: GpuFixture, then_over_now: &[f32]) -> Self {
+        Self::with(gpu, then_over_now, &EffectSettings::default())
+    }
+
+    /// With the tests that the settings leave.
+    fn with(gpu: GpuFixture, then_over_now: &[f32], settings: &EffectSettings) -> Self {
         let rows = |z: f32| [Vec4::X, Vec4::Y, Vec4::new(0.0, 0.0, z, 0.0)];
         let instance = |&z: &f32| InstanceData {
             object_to_world: rows(1.0),
@@ -40,9 +47,11 @@ impl Reprojection {
             ..InstanceData::zeroed()
         };
         let instances: Vec<_> = then_over_now.iter().map(instance).collect();
+        let extent = [WIDTH as u32, HEIGHT as u32];
         Self {
+            normal: Vec3::Z,
             bench: Bench::new(&gpu.device, &SvgfSettings::default()),
-            pass: ReprojectionPass::new(&gpu.device, [WIDTH as u32, HEIGHT as u32]).unwrap(),
+            pass: ReprojectionPass::new(&gpu.device, extent, settings.reprojection_tests()).unwrap(),
             instances: Buffer::with_data(&gpu.device, "instances", &instances)
                 .unwrap()
                 .with_texels()
@@ -54,7 +63,7 @@ impl Reprojection {
     /// One frame in which all has moved by `motion` pixels; masks of 2x2 and 3x3 texels for each pixel.
     fn frame(&mut self, objects: &[Object], motion: [f32; 2]) -> Vec<[u32; 2]> {
         let see = |at| seen(objects, at);
-        self.bench.denoise(&pixels(|at| Pixel::stationary(Vec3::ONE, Vec3::Z, see(at).1)));
+        self.bench.denoise(&pixels(|at| Pixel::stationary(Vec3::ONE, self.normal, see(at).1)));
         let places = || (0..HEIGHT as i32).flat_map(|y| (0..WIDTH as i32).map(move |x| IVec2::new(x, y)));
         let ids: Vec<u32> = places().map(|at| see(at).0 + 1).collect();
         let half = |pixels: f32| exr::prelude::f16::from_f32(pixels).to_bits();
@@ -133,4 +142,26 @@ fn depths_are_compared_where_the_surface_was() {
     let row = &found[10 * WIDTH..11 * WIDTH];
     assert!(row[20..29].iter().all(|masks| masks[0] & 1 == 1));
     assert!(row[40..50].iter().all(|masks| *masks == [0, 0]), "{:?}", &row[40..50]);
+}
+
+#[test]
+fn each_test_can_be_left_out() {
+    let all = EffectSettings::default();
+    let turned = Vec3::new(0.8, 0.0, 0.6);
+    // What was there before: another instance at the same depth, the same one turned, the same one farther away.
+    for (then, now, normal_then, without) in [
+        ((2, 20, 10, 4.0), (1, 20, 10, 4.0), Vec3::Z, EffectSettings { reprojection_instance: false, ..all }),
+        ((1, 20, 10, 4.0), (1, 20, 10, 4.0), turned, EffectSettings { reprojection_normal: false, ..all }),
+        ((1, 20, 10, 5.0), (1, 20, 10, 4.0), Vec3::Z, EffectSettings { reprojection_depth: false, ..all }),
+    ] {
+        for (settings, found) in [(all, 0), (without, 1)] {
+            let Some(gpu) = GpuFixture::open() else { return };
+            let mut reprojection = Reprojection::with(gpu, &[1.0; 3], &settings);
+            reprojection.normal = normal_then;
+            reprojection.frame(&[then], [0.0; 2]);
+            reprojection.normal = Vec3::Z;
+            let masks = reprojection.frame(&[now], [0.0; 2])[10 * WIDTH + 25];
+            assert_eq!(masks[0] & 1, found, "{settings:?}: {masks:?}");
+        }
+    }
 }

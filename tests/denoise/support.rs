@@ -130,6 +130,9 @@ pub struct Bench<Kind = Svgf> {
     surface: Image,
     pub denoiser: Kind,
     extent: [u32; 2],
+    /// Whether all surfaces are rough, which are mirrors otherwise.
+    pub is_rough: bool,
+    pub light_is_wide: bool,
 }
 
 /// Texels of an image of four half floats.
@@ -172,6 +175,8 @@ impl<Kind: Denoiser> Bench<Kind> {
             surface: image("surface", vk::Format::R16G16B16A16_UINT),
             denoiser,
             extent,
+            is_rough: false,
+            light_is_wide: false,
             device: Arc::clone(device),
         }
     }
@@ -199,10 +204,11 @@ impl<Kind: Denoiser> Bench<Kind> {
             depth: &self.depth,
             normal: &self.normal,
             surface: &self.surface,
-            albedo: &self.normal,
+            // Of which the last channel is read: 1 of the signal, 0 of a normal that faces the eye.
+            albedo: if self.is_rough { &self.noisy } else { &self.normal },
             reprojected: &self.reprojected,
             camera_moves: false,
-            light_is_wide: false,
+            light_is_wide: self.light_is_wide,
         };
         self.denoiser.record(&mut frame, &inputs).unwrap();
         frame.submit().unwrap();

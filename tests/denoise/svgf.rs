@@ -3,6 +3,8 @@
 
 use bytemuck::Zeroable;
 use glam::{Vec3, Vec4, Vec4Swizzles};
+use glowworm::denoise::Use;
+use glowworm::denoise::svgf::Svgf;
 use glowworm::settings::SvgfSettings;
 
 use crate::bvh_support::Random;
@@ -175,5 +177,47 @@ fn what_is_not_a_number_never_reaches_the_history() {
             );
             assert!(bench.read(|svgf| svgf.moments()).iter().all(|texel| texel.is_finite()));
         }
+    }
+}
+
+/// How many columns the light of a single pixel reaches in one frame.
+fn reach_of_a_pixel(
+    gpu: &GpuFixture,
+    usage: Use,
+    is_rough: bool,
+    light_is_wide: bool,
+    widened: bool,
+) -> usize {
+    let settings = SvgfSettings {
+        widened,
+        adaptive: false,
+        history_rejection: 0.0,
+        firefly: 0.0,
+        luminance_tolerance: 1e6,
+        ..SvgfSettings::default()
+    };
+    let extent = [WIDTH as u32, HEIGHT as u32];
+    let denoiser = Svgf::new(&gpu.device, usage, extent, &settings).unwrap();
+    let mut bench = Bench::of(&gpu.device, extent, denoiser);
+    (bench.is_rough, bench.light_is_wide) = (is_rough, light_is_wide);
+    let middle = HEIGHT / 2 * WIDTH;
+    bench.denoise(&wall(|index| Vec3::splat(if index == middle { 6e4 } else { 0.0 })));
+    bench.output()[middle..middle + WIDTH].iter().take_while(|texel| texel.y > 0.0).count() - 1
+}
+
+/// Granja 2021, section 3.6: steps of 2, 4, 8, 16 pixels on rough surfaces, of 2, 4, 8, 8 in the penumbrae of wide lights, else of
+/// 1, 2, 4, 8. A level reaches two steps; the estimate of the variance, before them, 3 pixels.
+#[test]
+fn a_widened_blur_follows_roughness_and_penumbra() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    for (usage, is_rough, light_is_wide, reach) in [
+        (Use::Reflections, true, false, 3 + 2 * (2 + 4 + 8 + 16)),
+        (Use::Reflections, false, false, 3 + 2 * (1 + 2 + 4 + 8)),
+        (Use::SoftShadows, true, true, 3 + 2 * (2 + 4 + 8 + 8)),
+        (Use::SoftShadows, true, false, 3 + 2 * (1 + 2 + 4 + 8)),
+    ] {
+        let found = reach_of_a_pixel(&gpu, usage, is_rough, light_is_wide, true);
+        assert_eq!(found, reach, "{usage:?}, rough: {is_rough}, wide: {light_is_wide}");
+        assert_eq!(reach_of_a_pixel(&gpu, usage, is_rough, light_is_wide, false), 33);
     }
 }
