@@ -103,7 +103,7 @@ def methods(study):
         middle = study_pictures.first_layer(references[COMPARED[len(COMPARED) // 2]])
         stops = round(study_pictures.exposure(middle), 3)
         row = rows.setdefault(scene, {})
-        row["stops"] = stops
+        row |= {"stops": stops, "spp": study.options.spp}
         seen = None
         for name, options in METHODS.items():
             pictures, report = study.frames(file, SIZE, FRAMES - 1, *MOVES, *options)
@@ -118,7 +118,7 @@ def methods(study):
                 "flicker": statistics.fmean(study_pictures.flicker(pictures[frame], pictures[frame - 1]) for frame in COMPARED),
                 "rays": statistics.fmean(frame.get("shadow_rays", frame.get("rays", 0)) for frame in report["frames"][8:]) / math.prod(report["settings"]["size"]),
                 **stage_ms(report)}
-            study.keep("methods", {"size": SIZE, "spp": study.options.spp, "bounces": BOUNCES, "device": report["device"],
+            study.keep("methods", {"size": SIZE, "bounces": BOUNCES, "device": report["device"],
                                    "driver": report["driver"], "commit": report["commit"], "rows": rows})
             print(scene, name, json.dumps({key: value for key, value in row[name].items() if key not in ["passes", "by_frames_seen"]}), flush=True)
 
