@@ -6,7 +6,6 @@ float neighbour_weight(float cosine, vec3 d) { return (max(cosine, 0.0) + 0.05) 
 
 // The irradiance shrunk to the weighted sum of its neighbours'.
 vec3 shrunk(vec3 irradiance, float variance, vec4 neighbours) {
-    if (neighbours.a <= 0.0) return irradiance;
     vec3 around = neighbours.rgb / neighbours.a;
     float difference = luminance(irradiance - around);
     return mix(irradiance, around, min(variance / max(difference * difference, 1e-12), 1.0));

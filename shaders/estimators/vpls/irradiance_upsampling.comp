@@ -66,6 +66,8 @@ bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
 // So few sets may be alike by chance, all black as well as all bright.
 const float FEW_SETS = 3.0;
 
+bool may_be_black_by_chance(vec4 irradiance) { return irradiance.a <= FEW_SETS && irradiance.rgb == vec3(0.0); }
+
 // The light around a pixel, of all surfaces: a weighted sum, and its weights.
 vec4 around(ivec2 pixel, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
@@ -75,7 +77,7 @@ vec4 around(ivec2 pixel, Surface surface) {
         ivec2 texel = clamp(pixel / 2 + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
         vec4 coarse = imageLoad(coarse_irradiance, texel);
         Surface other = surface_at(2 * texel);
-        if (other.depth <= 0.0 || coarse.a <= 0.0) continue;
+        if (other.depth <= 0.0 || may_be_black_by_chance(coarse)) continue;
         vec3 d = (other.position - surface.position) / footprint;
         sum += neighbour_weight(dot(other.shading, surface.shading), d) * vec4(coarse.rgb, 1.0);
     }
@@ -89,16 +91,18 @@ void main() {
     if (fills && imageLoad(irradiance, pixel).a > 0.0) return;
     Surface surface = surface_at(pixel);
     vec4 sum = vec4(0.0);
-    if (surface.depth > 0.0 && (fills || sets.set_step == 1u || !upsampled(pixel, surface, sum))) {
+    float variance = 0.0;
+    bool is_upsampled = !fills && sets.set_step == 2u && surface.depth > 0.0 && upsampled(pixel, surface, sum);
+    if (surface.depth > 0.0 && !is_upsampled) {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
-        float variance;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
-        if (sets.set_step == 2u && sets.holes != 1u) {
-            vec4 neighbours = around(pixel, surface);
-            float few = FEW_SETS / max(sum.a, 1.0);
-            float by_chance = few * few * luminance(neighbours.rgb) / max(neighbours.a, 1e-6);
-            sum = vec4(shrunk(sum.rgb, max(variance, by_chance * by_chance), neighbours), max(sum.a, 1.0));
-        }
+    }
+    bool is_uncertain = surface.depth > 0.0 && (!is_upsampled || may_be_black_by_chance(sum));
+    if (is_uncertain && sets.set_step == 2u && sets.holes != 1u) {
+        vec4 neighbours = around(pixel, surface);
+        float few = FEW_SETS / max(sum.a, 1.0);
+        float by_chance = few * few * luminance(neighbours.rgb) / max(neighbours.a, 1e-6);
+        if (neighbours.a > 0.0) sum = vec4(shrunk(sum.rgb, max(variance, by_chance * by_chance), neighbours), max(sum.a, 1.0));
     }
     imageStore(irradiance, pixel, storable(sum));
 }
