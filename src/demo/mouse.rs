@@ -103,11 +103,12 @@ impl Open {
     fn choose(&mut self) {
         let (at, viewport) = (self.pointer_in_points(), self.panel.viewport(self.egui.egui_ctx()));
         let in_picture = self.pointer_in_picture();
+        let time = self.clock.paused.then_some(self.clock.time);
         let Some(session) = &self.session else { return };
         if self.panel.hidden {
             return;
         }
-        if let Some(drag) = HandleDrag::begin(session, self.mode, viewport, at) {
+        if let Some(drag) = HandleDrag::begin(session, self.mode, time, viewport, at) {
             self.pointer.begin(MouseButton::Left, Drag::Handle(Box::new(drag)));
             return;
         }

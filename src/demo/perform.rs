@@ -85,6 +85,13 @@ impl App {
                 }
                 open.resized = Some(std::time::Instant::now());
             }
+            #[cfg(feature = "shader-reload")]
+            Action::ReloadShaders => {
+                if let Some(session) = &open.session {
+                    let edited = Edited { compiles_shaders: true, ..session.to_build(true) };
+                    open.request_scene(session.name.clone(), Some(edited));
+                }
+            }
             Action::Set(settings) => open.set_and_remember(&settings)?,
             Action::Undo => open.step_back()?,
             Action::Redo => open.step_forward()?,
@@ -154,6 +161,7 @@ impl Open {
                 if let Some(session) = &mut self.session {
                     session.selected = selected;
                 }
+                self.inspector.choose(None);
             }
             Action::Handles(mode) => self.mode = mode.unwrap_or(self.mode.next()),
             Action::EditLight(index, entry) => self.edit(|session| session.set_light(index, *entry)),

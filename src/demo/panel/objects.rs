@@ -1,9 +1,9 @@
 //! Lights and instances: select, edit, add, delete.
 
-use egui::{ComboBox, DragValue, Id, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
+use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use glam::Vec3;
 
-use super::{Places, Shown, keep_keyboard, place, place_track};
+use super::{Places, Shown, keep_keyboard, place, place_track, tree};
 use crate::demo::action::Action;
 use crate::demo::edit::{Motion, NewObject};
 use crate::demo::handles::Mode;
@@ -26,7 +26,7 @@ pub(super) fn draw(
     let field = ui.add(TextEdit::singleline(searched).hint_text("search by name").desired_width(150.0));
     place(ui, places, "search", &field);
     keep_keyboard(ui, &field);
-    list(ui, session, searched, actions);
+    tree::draw(ui, session, shown.inspector.material(), searched, places, actions);
     ui.horizontal_wrapped(|ui| {
         ui.label("add");
         for kind in KINDS {
@@ -89,32 +89,6 @@ fn add_object(ui: &mut Ui, session: &Session, places: &mut Places, actions: &mut
         }
     });
     place(ui, places, "add an object", &menu.response);
-}
-
-/// Lights, then objects, whose names have what is searched in them; what is selected is always there.
-fn list(ui: &mut Ui, session: &Session, searched: &str, actions: &mut Vec<Action>) {
-    let searched = searched.trim().to_lowercase();
-    let shown = Id::new("selected entry");
-    let is_new = ui.data(|data| data.get_temp(shown)) != Some(session.selected);
-    ui.data_mut(|data| data.insert_temp(shown, session.selected));
-    let mut entry = |ui: &mut Ui, this: Selected, name: String| {
-        let is_selected = session.selected == Some(this);
-        if !is_selected && !name.to_lowercase().contains(&searched) {
-            return;
-        }
-        let label = ui.selectable_label(is_selected, name);
-        if label.clicked() {
-            actions.push(Action::Select(Some(this)));
-        }
-        if is_selected && is_new {
-            label.scroll_to_me(None);
-        }
-    };
-    ScrollArea::vertical().id_salt("objects").max_height(110.0).auto_shrink([false, true]).show(ui, |ui| {
-        let lights = (0..session.document.lights().len()).map(Selected::Light);
-        let instances = (0..session.document.instances().len()).map(Selected::Instance);
-        lights.chain(instances).for_each(|known| entry(ui, known, session.name_of(known)));
-    });
 }
 
 fn light(
@@ -315,7 +289,7 @@ fn motion(ui: &mut Ui, animation: &mut Option<AnimationEntry>, radius: f32) {
         Motion::Spin(_) => "spin",
         Motion::Sway(..) => "sway",
         Motion::Path(..) => "path",
-        Motion::Keys => "as in the file",
+        Motion::Keys => "keys",
     };
     ui.horizontal(|ui| {
         ComboBox::from_label("motion").selected_text(label).width(110.0).show_ui(ui, |ui| {
