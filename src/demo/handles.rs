@@ -6,6 +6,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 use serde::Serialize;
 
+use super::edit::Entry;
 use super::keys::key_at;
 use super::session::{Selected, Session};
 use super::transform::{
@@ -13,7 +14,6 @@ use super::transform::{
     scaled_light,
 };
 use crate::bvh::Ray;
-use crate::formats::{AnimationEntry, InstanceEntry, LightEntry};
 use crate::scene::LightKind;
 
 /// Length of arrows and radius of rings, as a fraction of the picture's height at the pivot.
@@ -68,22 +68,6 @@ pub(super) struct HandleDrag {
     original: Entry,
     /// The key that is moved or rotated in place of the whole motion.
     key: Option<usize>,
-}
-
-/// A document entry, as at the start of the drag.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Entry {
-    Instance(usize, InstanceEntry),
-    Light(usize, LightEntry),
-}
-
-impl Entry {
-    fn animation(&mut self) -> Option<&mut AnimationEntry> {
-        match self {
-            Self::Instance(_, entry) => entry.animation.as_mut(),
-            Self::Light(_, entry) => entry.animation.as_mut(),
-        }
-    }
 }
 
 /// Projection from world space to window points.
@@ -269,13 +253,9 @@ impl HandleDrag {
             points.windows(2).map(|ends| distance_to(at, ends[0], ends[1])).fold(f32::INFINITY, f32::min)
         };
         let nearest = AXES.into_iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
-        let original = match selected {
-            Selected::Instance(index) => {
-                Entry::Instance(index, session.document.instances().nth(index)?.clone())
-            }
-            Selected::Light(index) => Entry::Light(index, session.document.lights().nth(index)?.clone()),
-        };
-        let key = time.zip(session.animation(selected)).and_then(|(time, animation)| key_at(animation, time));
+        let mut original = session.entry(selected)?;
+        let key =
+            time.zip(original.animation().as_ref()).and_then(|(time, animation)| key_at(animation, time));
         let drag = Self { mode, axis: nearest, pivot, reach, start: 0.0, original, key };
         let share = (at - viewport.min) / viewport.size();
         let ray = session.ray(Vec2::new(share.x, share.y));
@@ -313,7 +293,7 @@ impl HandleDrag {
         let factor = (way / self.reach).clamp(-8.0, 8.0).exp2();
         let turn = Quat::from_axis_angle(self.axis, way);
         let mut keyed = self.original.clone();
-        let keys = keyed.animation().map(|animation| &mut animation.keyframes);
+        let keys = keyed.animation().as_mut().map(|animation| &mut animation.keyframes);
         if let Some(key) =
             self.key.and_then(|index| keys?.get_mut(index)).filter(|_| self.mode != Mode::Scale)
         {
@@ -352,7 +332,7 @@ fn distance_to(at: Pos2, from: Pos2, to: Pos2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::ScaleEntry;
+    use crate::formats::{InstanceEntry, LightEntry, ScaleEntry};
     use crate::scene::LightType;
 
     fn drag(mode: Mode, axis: Vec3) -> HandleDrag {

@@ -3,7 +3,7 @@
 use super::action::Action;
 use super::session::{Selected, Session};
 use super::transform::key_of;
-use crate::formats::{AnimationEntry, InstanceEntry, LightEntry};
+use crate::formats::AnimationEntry;
 use crate::scene::Keyframe;
 
 /// Times of keys are whole parts of a second, as many as this, and each has a key at most.
@@ -32,13 +32,6 @@ pub(super) fn move_key(animation: &mut AnimationEntry, index: usize, time: f64) 
     time
 }
 
-/// The animation without a key; none if nothing is left of it.
-pub(super) fn without_key(animation: &AnimationEntry, index: usize) -> Option<AnimationEntry> {
-    let mut rest = animation.clone();
-    rest.keyframes.remove(index);
-    (!rest.keyframes.is_empty() || rest.rotation.is_some()).then_some(rest)
-}
-
 impl Session {
     /// What moves where an entry is selected: the instance that an area light names, or else the entry itself.
     pub fn animated(&self, selected: Selected) -> Selected {
@@ -50,48 +43,21 @@ impl Session {
         instance.map_or(selected, Selected::Instance)
     }
 
-    /// The animation of an entry.
-    pub fn animation(&self, of: Selected) -> Option<&AnimationEntry> {
-        match of {
-            Selected::Instance(index) => self.document.instances().nth(index)?.animation.as_ref(),
-            Selected::Light(index) => self.document.lights().nth(index)?.animation.as_ref(),
-        }
-    }
-
     /// The edit that animates an entry so.
     pub fn animate(&self, of: Selected, animation: Option<AnimationEntry>) -> Option<Action> {
-        Some(match of {
-            Selected::Instance(index) => {
-                let entry = self.document.instances().nth(index)?.clone();
-                Action::EditInstance(index, Box::new(InstanceEntry { animation, ..entry }))
-            }
-            Selected::Light(index) => {
-                let entry = self.document.lights().nth(index)?.clone();
-                Action::EditLight(index, Box::new(LightEntry { animation, ..entry }))
-            }
-        })
+        let mut entry = self.entry(of)?;
+        *entry.animation() = animation.filter(|all| !all.keyframes.is_empty() || all.rotation.is_some());
+        Some(entry.edit())
     }
 
-    /// The animation of an entry with a key at `time`, where it moves as before.
-    pub fn with_key(&self, of: Selected, time: f64) -> AnimationEntry {
-        let live = &self.live_scene;
-        let instance = match of {
-            Selected::Instance(index) => Some(index),
-            Selected::Light(index) => self.document.light_instance(index),
-        };
-        let built = match (instance, of) {
-            (Some(instance), _) => live.instances.get(instance).and_then(|known| known.animation.as_ref()),
-            (None, Selected::Light(index)) => {
-                let light = self.document.scene_light(index).and_then(|light| live.lights.get(light));
-                light.and_then(|light| light.animation.as_ref())
-            }
-            (None, Selected::Instance(_)) => None,
-        };
-        let now = built.map_or_else(Keyframe::default, |animation| animation.key_at(time));
-        let mut animation = self.animation(of).cloned().unwrap_or_default();
-        let place = animation.keyframes.partition_point(|key| key.time < time);
-        animation.keyframes.insert(place, key_of(time, &now));
-        animation
+    /// The animation with a key at `time`, where it moves as before.
+    pub fn with_key(&self, animation: &AnimationEntry, time: f64) -> AnimationEntry {
+        let moves = self.document.animation(animation).ok();
+        let now = moves.map_or_else(Keyframe::default, |animation| animation.key_at(time));
+        let mut with = animation.clone();
+        let place = with.keyframes.partition_point(|key| key.time < time);
+        with.keyframes.insert(place, key_of(time, &now));
+        with
     }
 }
 
@@ -113,13 +79,5 @@ mod tests {
         }
         assert!(move_key(&mut animation, 2, 50.0) == 50.0 && move_key(&mut animation, 0, -5.0) == 0.0);
         assert_eq!((key_at(&animation, 50.001), key_at(&animation, 49.0)), (Some(2), None));
-    }
-
-    #[test]
-    fn the_last_key_takes_the_animation_along() {
-        let two = animation(&[0.0, 2.0]);
-        let one = without_key(&two, 0).unwrap();
-        assert_eq!(one.keyframes, two.keyframes[1..]);
-        assert_eq!(without_key(&one, 0), None);
     }
 }

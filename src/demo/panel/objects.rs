@@ -5,11 +5,11 @@ use glam::Vec3;
 
 use super::{Places, Shown, keep_keyboard, place, place_track, tree};
 use crate::demo::action::Action;
-use crate::demo::edit::{Motion, NewObject};
+use crate::demo::edit::NewObject;
 use crate::demo::handles::Mode;
 use crate::demo::session::{Selected, Session, carry, label};
 use crate::formats::{
-    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, Primitive, RotationEntry, ScaleEntry,
+    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, Primitive, RotationEntry, ScaleEntry, SpinEntry,
 };
 use crate::scene::LightType;
 
@@ -132,7 +132,7 @@ fn light(
         actions.push(Action::ToggleHeadlamp);
     }
     if light.instance.is_none() {
-        motion(ui, &mut light.animation, session.radius);
+        spin(ui, &mut light.animation);
     }
     if light != *entry {
         actions.push(Action::EditLight(index, Box::new(light)));
@@ -213,7 +213,7 @@ fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry,
             });
         }
     }
-    motion(ui, &mut instance.animation, session.radius);
+    spin(ui, &mut instance.animation);
     if instance != *entry {
         actions.push(Action::EditInstance(index, Box::new(instance)));
     }
@@ -281,45 +281,16 @@ fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut P
     }
 }
 
-fn motion(ui: &mut Ui, animation: &mut Option<AnimationEntry>, radius: f32) {
-    let now = Motion::of(animation.as_ref());
-    let mut motion = now;
-    let label = match now {
-        Motion::Still => "still",
-        Motion::Spin(_) => "spin",
-        Motion::Sway(..) => "sway",
-        Motion::Path(..) => "path",
-        Motion::Keys => "keys",
-    };
+/// A constant rotation, about the vertical axis unless it has another.
+fn spin(ui: &mut Ui, animation: &mut Option<AnimationEntry>) {
+    let mut all = animation.clone().unwrap_or_default();
+    let up = SpinEntry { axis: [0.0, 1.0, 0.0], degrees_per_second: 0.0, pivot: None };
+    let mut spin = all.rotation.take().unwrap_or(up);
     ui.horizontal(|ui| {
-        ComboBox::from_label("motion").selected_text(label).width(110.0).show_ui(ui, |ui| {
-            for (choice, label) in [
-                (Motion::Still, "still"),
-                (Motion::Spin(45.0), "spin"),
-                (Motion::Sway(25.0, 4.0), "sway"),
-                (Motion::Path(0.15 * radius, 8.0), "path"),
-            ] {
-                if ui.selectable_label(false, label).clicked() {
-                    motion = choice;
-                }
-            }
-        });
+        ui.label("spin");
+        if ui.add(DragValue::new(&mut spin.degrees_per_second).suffix("°/s")).changed() {
+            all.rotation = (spin.degrees_per_second != 0.0).then_some(spin);
+            *animation = Some(all).filter(|all| !all.keyframes.is_empty() || all.rotation.is_some());
+        }
     });
-    ui.horizontal(|ui| match &mut motion {
-        Motion::Spin(speed) => {
-            ui.add(DragValue::new(speed).suffix("°/s"));
-        }
-        Motion::Sway(degrees, period) => {
-            ui.add(DragValue::new(degrees).range(-179.0..=179.0).suffix("°"));
-            ui.add(DragValue::new(period).range(0.2..=600.0).speed(0.05).suffix(" s"));
-        }
-        Motion::Path(path_radius, period) => {
-            ui.add(DragValue::new(path_radius).range(1e-3..=1e6).speed(2e-3 * radius).prefix("radius "));
-            ui.add(DragValue::new(period).range(0.2..=600.0).speed(0.05).suffix(" s"));
-        }
-        Motion::Still | Motion::Keys => {}
-    });
-    if motion != now && motion != Motion::Keys {
-        *animation = motion.animation();
-    }
 }

@@ -5,7 +5,7 @@ use egui::{Align2, Color32, DragValue, FontId, Id, Pos2, Rect, Sense, Shape, Str
 use super::{Places, Shown, place};
 use crate::demo::action::Action;
 use crate::demo::clock::Pace;
-use crate::demo::keys::{key_at, move_key, rounded, without_key};
+use crate::demo::keys::{key_at, move_key, rounded};
 use crate::demo::session::{Selected, Session};
 use crate::formats::AnimationEntry;
 
@@ -49,7 +49,7 @@ pub(super) fn draw(ui: &mut Ui, shown: &mut Shown<'_>, places: &mut Places, acti
     let session = shown.session;
     let keyed = session.and_then(|session| {
         let of = session.animated(session.selected?);
-        Some((session, of, session.animation(of).cloned().unwrap_or_default()))
+        Some((session, of, session.entry(of)?.animation().take().unwrap_or_default()))
     });
     timeline(ui, (shown.clock.time, shown.clock.paused), keyed.as_ref(), places, actions);
     match keyed {
@@ -153,11 +153,13 @@ fn keys(
         ) {
             let time = rounded(time);
             actions.extend([Action::Pause(true), Action::Scrub(time)]);
-            actions.extend(session.animate(of, Some(session.with_key(of, time))));
+            actions.extend(session.animate(of, Some(session.with_key(&animation, time))));
         }
         let deletes = button("delete key", key.is_some(), "The one at the playhead.");
         if let Some(key) = key.filter(|_| deletes) {
-            actions.extend(session.animate(of, without_key(&animation, key)));
+            let mut rest = animation.clone();
+            rest.keyframes.remove(key);
+            actions.extend(session.animate(of, Some(rest)));
         }
         let mut repeat = animation.repeat;
         let several = animation.keyframes.len() > 1;
