@@ -1,7 +1,7 @@
 //! The tree of what is in the scene: lights; models with their instances; the materials of each instance.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{Button, Id, ScrollArea, Ui};
+use egui::{Button, Id, RichText, ScrollArea, Ui};
 
 use super::{Places, place};
 use crate::demo::action::Action;
@@ -160,7 +160,10 @@ impl Node {
             What::Material(material) => Action::ChooseMaterial(material),
         };
         let is_chosen = is_selected || chosen.material == Some(self.what);
-        let label = ui.add(Button::selectable(is_chosen, &self.name).truncate());
+        let name = RichText::new(&self.name);
+        let is_material = matches!(self.what, What::Material(_));
+        let name = if is_material { name.italics() } else { name };
+        let label = ui.add(Button::selectable(is_chosen, name).truncate());
         place(ui, places, &format!("node {}", self.name), &label);
         if label.clicked() {
             actions.push(action);

@@ -309,7 +309,7 @@ fn tidy(item: &mut Item) {
     match item {
         Item::Table(table) => {
             table.set_position(None);
-            for (key, item) in table.iter_mut() {
+            for (mut key, item) in table.iter_mut() {
                 tidy(item);
                 if key == "keyframes"
                     && let Ok(toml_edit::Value::Array(mut keys)) = std::mem::take(item).into_value()
@@ -317,6 +317,7 @@ fn tidy(item: &mut Item) {
                     keys.iter_mut().for_each(|key| *key.decor_mut() = toml_edit::Decor::new("\n    ", ""));
                     keys.set_trailing_comma(true);
                     keys.set_trailing("\n");
+                    key.fmt();
                     *item = Item::Value(keys.into());
                 }
             }
