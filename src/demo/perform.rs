@@ -85,13 +85,6 @@ impl App {
                 }
                 open.resized = Some(std::time::Instant::now());
             }
-            #[cfg(feature = "shader-reload")]
-            Action::ReloadShaders => {
-                if let Some(session) = &open.session {
-                    let edited = Edited { compiles_shaders: true, ..session.to_build(true) };
-                    open.request_scene(session.name.clone(), Some(edited));
-                }
-            }
             Action::Set(settings) => open.set_and_remember(&settings)?,
             Action::Undo => open.step_back()?,
             Action::Redo => open.step_forward()?,
@@ -162,6 +155,13 @@ impl Open {
                     session.selected = selected;
                 }
                 self.inspector.choose(None);
+            }
+            #[cfg(feature = "shader-reload")]
+            Action::ReloadShaders => {
+                if let Some(session) = &self.session {
+                    let edited = Edited { compiles_shaders: true, ..session.to_build(true) };
+                    self.request_scene(session.name.clone(), Some(edited));
+                }
             }
             Action::Handles(mode) => self.mode = mode.unwrap_or(self.mode.next()),
             Action::EditLight(index, entry) => self.edit(|session| session.set_light(index, *entry)),

@@ -262,7 +262,7 @@ fn keyframes_are_edited_line_by_line() {
     let last = "    { time = 4 },\n    { time = 6.0 },\n";
     assert_eq!(saved(&|keys| keys.push(key(6.0, 0.0))), KEYED.replace("    { time = 4 },\n", last));
     let line = "    { time = 2, translation = [1, 0, 0] },  # to the right\n";
-    assert_eq!(saved(&|keys| drop(keys.remove(1))), KEYED.replace(line, ""));
+    assert_eq!(saved(&|keys| keys.retain(|key| key.time != 2.0)), KEYED.replace(line, ""));
 
     // Those of an object that had none.
     let mut document = open();
