@@ -37,7 +37,8 @@ fn compile_with(command: &Path) -> Result<(), String> {
     let output = Command::new(command).arg(folder.path()).output().map_err(failed)?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr);
-        return Err(said.lines().next().unwrap_or("the shaders do not compile").to_owned());
+        let line = said.lines().find_map(|line| line.strip_prefix("ERROR: ")).or(said.lines().next());
+        return Err(line.unwrap_or("the shaders do not compile").to_owned());
     }
     let mut compiled = Vec::new();
     for &(file, built) in shaders::FILES {
@@ -72,7 +73,7 @@ mod tests {
         compile("printf 1234 >> \"$1/taa.comp.spv\"").unwrap();
         let changed = newest(built);
         assert!(changed.starts_with(built) && changed.ends_with(b"1234"));
-        let refused = compile("echo 'taa.comp:7: no' >&2; echo more >&2; exit 1");
+        let refused = compile("echo 'parse error: Log:' >&2; echo 'ERROR: taa.comp:7: no' >&2; exit 1");
         assert_eq!(refused, Err("taa.comp:7: no".to_owned()));
         assert_eq!(newest(built), changed);
     }
