@@ -42,9 +42,12 @@ fn spirv_folder(shaders: &Path) -> Result<PathBuf, Vec<String>> {
 
 /// Writes `shaders.rs`: a constant for each shader, whose name follows from that of its file.
 fn write_constants(shaders: &Path, spirv: &Path, out: &Path) {
-    let mut rust = String::new();
+    let (mut rust, mut embedded) = (String::new(), String::new());
     for shader in sources::shaders(shaders).expect("the shaders can be read") {
         let files: Vec<_> = shader.spirv_files().iter().map(|file| spirv.join(file)).collect();
+        for (name, file) in shader.spirv_files().iter().zip(&files) {
+            writeln!(embedded, "({name:?}, include_bytes!({file:?})),").expect("writing to a string");
+        }
         let value = match files.as_slice() {
             [software, hardware] => format!(
                 "PerTracer = PerTracer {{ software: include_bytes!({software:?}), hardware: include_bytes!({hardware:?}) }}"
@@ -54,6 +57,10 @@ fn write_constants(shaders: &Path, spirv: &Path, out: &Path) {
         let (name, constant) = (&shader.name, shader.name.replace('.', "_").to_uppercase());
         writeln!(rust, "/// `{name}`, compiled.\npub const {constant}: {value};")
             .expect("writing to a string");
+    }
+    if std::env::var_os("CARGO_FEATURE_SHADER_RELOAD").is_some() {
+        rust += "/// All of them by the names of their files.\n";
+        writeln!(rust, "pub const FILES: &[(&str, &[u8])] = &[{embedded}];").expect("writing to a string");
     }
     std::fs::write(out.join("shaders.rs"), rust).expect("OUT_DIR is writable");
 }

@@ -62,6 +62,9 @@ pub enum Action {
     SetCoarseness(Option<u32>),
     /// Reloads the scene from disk.
     Reload,
+    /// Compiles the shaders of the repository and makes the renderer anew.
+    #[cfg(feature = "shader-reload")]
+    ReloadShaders,
     /// Changes the settings.
     Set(Box<Settings>),
     /// Divides the window, or shows something else right of the divider; none: the whole window is one picture again.
@@ -90,6 +93,8 @@ pub enum Action {
     TogglePaths,
     /// Toggles the inspector, which lists the VPLs that light the clicked point.
     ToggleInspector,
+    /// Edits a material of the scene.
+    ChooseMaterial(usize),
     /// Selects a light or an instance, or nothing.
     Select(Option<Selected>),
     /// Sets the kind of handles; none: the next one.
@@ -176,6 +181,8 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || Action::Screenshot { exr: true }),
     bind("F4", "copy the command line that renders this picture", KeyCode::F4, NONE, || Action::CopyCommand),
     bind("F5", "reload the scene", KeyCode::F5, NONE, || Action::Reload),
+    #[cfg(feature = "shader-reload")]
+    bind("Shift+F5", "compile the shaders again", KeyCode::F5, SHIFT, || Action::ReloadShaders),
     bind("C", "compare with another method right of a divider", KeyCode::KeyC, NONE, || Action::ToggleSplit),
     bind("G", "compare with the reference, by the path tracer", KeyCode::KeyG, NONE, || {
         Action::ToggleReference

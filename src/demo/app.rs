@@ -14,6 +14,7 @@ use winit::window::{Window, WindowId};
 use super::action::Action;
 use super::clock::{Clock, Pace};
 use super::compare::{Comparison, POLL};
+use super::file_picture::Reading;
 use super::flight::Flight;
 use super::gpu::Gpu;
 use super::handles::Mode;
@@ -57,6 +58,8 @@ pub(super) struct App {
 pub(super) struct Open {
     pub session: Option<Session>,
     pub split: Option<Split>,
+    /// The picture that is to be right of the divider.
+    pub reading: Option<Reading>,
     pub tour: Option<Tour>,
     pub comparison: Option<Comparison>,
     /// Whether the tour is to begin with the first scene.
@@ -137,6 +140,7 @@ impl App {
         self.open = Some(Open {
             session: None,
             split: None,
+            reading: None,
             tour: None,
             comparison: None,
             tour_waits: self.launch.tour,

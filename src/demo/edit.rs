@@ -1,21 +1,20 @@
-//! Edits of the current scene; default lights and simple animations.
+//! Edits of the current scene; default lights.
 
 use std::path::PathBuf;
 
 use glam::Vec3;
 use serde::Serialize;
 
+use super::action::Action;
 use super::session::{Change, Selected, Session, label};
 use crate::formats::{
-    AnimationEntry, AxisAngle, EnvironmentEntry, InstanceEntry, KeyframeEntry, LightEntry, MaterialEdit,
-    ModelSource, Primitive, RotationEntry, ScaleEntry, SceneError, SpinEntry,
+    AnimationEntry, EnvironmentEntry, InstanceEntry, LightEntry, MaterialEdit, ModelSource, Primitive,
+    ScaleEntry, SceneError,
 };
 use crate::scene::LightType;
 
 /// Warm white.
 const WHITE: Vec3 = Vec3::new(1.0, 0.93, 0.82);
-/// Corners of a path.
-const CORNERS: u32 = 8;
 /// Edge length or radius of a new shape, radii of the scene.
 const SHAPE: f32 = 0.08;
 
@@ -34,8 +33,42 @@ pub enum NewObject {
     File(PathBuf),
 }
 
+/// An instance or a light of the document.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Entry {
+    Instance(usize, InstanceEntry),
+    Light(usize, LightEntry),
+}
+
+impl Entry {
+    pub fn animation(&mut self) -> &mut Option<AnimationEntry> {
+        match self {
+            Self::Instance(_, entry) => &mut entry.animation,
+            Self::Light(_, entry) => &mut entry.animation,
+        }
+    }
+
+    /// The edit that changes the document to it.
+    pub fn edit(self) -> Action {
+        match self {
+            Self::Instance(index, entry) => Action::EditInstance(index, Box::new(entry)),
+            Self::Light(index, entry) => Action::EditLight(index, Box::new(entry)),
+        }
+    }
+}
+
 /// Edits of the document. One that is invalid is an error and changes nothing.
 impl Session {
+    /// An entry as it is.
+    pub fn entry(&self, of: Selected) -> Option<Entry> {
+        Some(match of {
+            Selected::Instance(index) => {
+                Entry::Instance(index, self.document.instances().nth(index)?.clone())
+            }
+            Selected::Light(index) => Entry::Light(index, self.document.lights().nth(index)?.clone()),
+        })
+    }
+
     /// Changes a light of the document to `entry`.
     pub fn set_light(&mut self, index: usize, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
@@ -213,100 +246,6 @@ pub(super) fn new_light(session: &Session, kind: LightType) -> LightEntry {
                 polygon: Some([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]),
                 radiance: Some(radiance.to_array()),
                 ..entry
-            }
-        }
-    }
-}
-
-/// An animation that the panel offers.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Motion {
-    /// None.
-    Still,
-    /// Rotation about the vertical axis, degrees per second.
-    Spin(f32),
-    /// Oscillation about the z axis: amplitude in degrees, period in seconds.
-    Sway(f32, f32),
-    /// Horizontal circle: radius in scene units, period in seconds.
-    Path(f32, f32),
-    /// Keyframes of the scene file.
-    Keys,
-}
-
-impl Motion {
-    /// The motion of an animation.
-    pub fn of(animation: Option<&AnimationEntry>) -> Self {
-        let Some(animation) = animation else { return Self::Still };
-        let candidates = [
-            animation.rotation.as_ref().map(|spin| Self::Spin(spin.degrees_per_second)),
-            animation.keyframes.last().and_then(|last| {
-                let quarter = animation.keyframes.get(1)?;
-                let degrees = match quarter.rotation? {
-                    RotationEntry::AxisAngle(turn) => turn.degrees,
-                    RotationEntry::Euler(_) => return None,
-                };
-                Some(Self::Sway(degrees, last.time as f32))
-            }),
-            animation.keyframes.last().and_then(|last| {
-                let across = animation.keyframes.get(CORNERS as usize / 2)?.translation?;
-                Some(Self::Path(0.5 * Vec3::from_array(across).length(), last.time as f32))
-            }),
-        ];
-        let is_it = |motion: &Self| motion.animation().as_ref() == Some(animation);
-        candidates.into_iter().flatten().find(is_it).unwrap_or(Self::Keys)
-    }
-
-    /// The animation entry; none for [`Self::Still`].
-    pub fn animation(self) -> Option<AnimationEntry> {
-        match self {
-            Self::Still | Self::Keys => None,
-            Self::Spin(degrees_per_second) => Some(AnimationEntry {
-                rotation: Some(SpinEntry { axis: [0.0, 1.0, 0.0], degrees_per_second, pivot: None }),
-                ..AnimationEntry::default()
-            }),
-            Self::Sway(degrees, period) => {
-                let key = |quarter: u32| {
-                    let share = [0.0, 1.0, 0.0, -1.0, 0.0][quarter as usize];
-                    let turn = AxisAngle { axis: [0.0, 0.0, 1.0], degrees: share * degrees };
-                    KeyframeEntry {
-                        time: f64::from(period) * f64::from(quarter) / 4.0,
-                        translation: None,
-                        rotation: Some(RotationEntry::AxisAngle(turn)),
-                    }
-                };
-                Some(AnimationEntry { keyframes: (0..5).map(key).collect(), repeat: true, rotation: None })
-            }
-            Self::Path(radius, period) => {
-                let key = |corner: u32| {
-                    // The first and last keyframes are bitwise equal.
-                    let angle = (corner % CORNERS) as f32 / CORNERS as f32 * std::f32::consts::TAU;
-                    KeyframeEntry {
-                        time: f64::from(period) * f64::from(corner) / f64::from(CORNERS),
-                        translation: Some([radius * (1.0 - angle.cos()), 0.0, radius * angle.sin()]),
-                        rotation: None,
-                    }
-                };
-                let keyframes = (0..=CORNERS).map(key).collect();
-                Some(AnimationEntry { keyframes, repeat: true, rotation: None })
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn motions_are_known_again() {
-        for motion in [Motion::Still, Motion::Spin(45.0), Motion::Sway(20.0, 3.0), Motion::Path(0.5, 6.0)] {
-            let animation = motion.animation();
-            let known = Motion::of(animation.as_ref());
-            match (motion, known) {
-                (Motion::Path(a, b), Motion::Path(c, d)) => {
-                    assert!((a - c).abs() < 1e-5 && (b - d).abs() < 1e-5);
-                }
-                _ => assert_eq!(known, motion),
             }
         }
     }

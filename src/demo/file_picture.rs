@@ -2,48 +2,64 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread::JoinHandle;
 
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
 
 use super::live_metrics::Shot;
+use super::loader::in_own_pool;
 use crate::metrics::{Encoding, Image, MetricsError};
 use crate::output::{Picture, Tones, tone_map};
 use crate::settings::Settings;
 
+/// The tones and the size for which a picture is shown.
+type ShownFor = (Tones, [u32; 2]);
+
 /// The picture of a file, as the window shows it.
 pub(super) struct FilePicture {
     pub path: PathBuf,
-    image: Image,
-    /// The tones and the size for which `shot` was made.
-    shown_for: (Tones, [u32; 2]),
+    image: Arc<Image>,
+    shown_for: ShownFor,
     pub shot: Arc<Shot>,
     /// Counts the pictures that were shown.
     pub version: u64,
+    /// The same for other tones or another size, while it is being made.
+    next: Option<JoinHandle<(ShownFor, Shot)>>,
 }
 
+/// A picture that is being read.
+pub(super) type Reading = JoinHandle<Result<FilePicture, MetricsError>>;
+
 impl FilePicture {
-    /// Reads a `.png`, `.exr` or `.hdr`.
-    pub fn open(path: PathBuf, settings: &Settings) -> Result<Self, MetricsError> {
-        let image = Image::read(&path, None)?;
+    /// Reads a `.png`, `.exr` or `.hdr` in a thread of its own.
+    pub fn read(path: PathBuf, settings: &Settings) -> Reading {
         let shown_for = (settings.into(), settings.size);
-        let shot = Arc::new(shown(&image, shown_for));
-        Ok(Self { path, image, shown_for, shot, version: 0 })
+        in_background(move || {
+            let image = Arc::new(Image::read(&path, None)?);
+            let shot = Arc::new(shown(&image, shown_for));
+            Ok(Self { path, image, shown_for, shot, version: 0, next: None })
+        })
     }
 
-    /// Goes on with other settings.
+    /// Goes on with other settings, once the picture for them is there.
     pub fn follow(&mut self, settings: &Settings) {
+        if let Some(next) = self.next.take_if(|next| next.is_finished())
+            && let Ok((shown_for, shot)) = next.join()
+        {
+            (self.shown_for, self.shot, self.version) = (shown_for, Arc::new(shot), self.version + 1);
+        }
         let shown_for = (settings.into(), settings.size);
-        if self.shown_for != shown_for {
-            self.shot = Arc::new(shown(&self.image, shown_for));
-            (self.shown_for, self.version) = (shown_for, self.version + 1);
+        if self.shown_for != shown_for && self.next.is_none() {
+            let image = Arc::clone(&self.image);
+            self.next = Some(in_background(move || (shown_for, shown(&image, shown_for))));
         }
     }
 
-    /// Whether it has a value for each pixel of the window.
-    pub fn is_whole(&self) -> bool {
+    /// Whether it has a value for each pixel of a window of these settings.
+    pub fn is_whole(&self, settings: &Settings) -> bool {
         let (_, [width, height]) = self.shown_for;
-        scaled_width(self.image.size(), [width, height]) >= width
+        settings.size == [width, height] && scaled_width(self.image.size(), [width, height]) >= width
     }
 
     /// Its size, and what becomes of another one than the window's.
@@ -60,6 +76,10 @@ impl FilePicture {
     }
 }
 
+fn in_background<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> JoinHandle<T> {
+    std::thread::spawn(|| in_own_pool("picture", work))
+}
+
 /// The width of a picture that is scaled to the height of the window; the same camera then sees the same in the middle of both.
 fn scaled_width(size: [usize; 2], window: [u32; 2]) -> u32 {
     let scaled = (size[0] as f64 * f64::from(window[1]) / size[1] as f64).round() as u32;
@@ -68,7 +88,7 @@ fn scaled_width(size: [usize; 2], window: [u32; 2]) -> u32 {
 }
 
 /// The picture with these tones, scaled to the height, in the middle of a black window.
-fn shown(image: &Image, (tones, window): (Tones, [u32; 2])) -> Shot {
+fn shown(image: &Image, (tones, window): ShownFor) -> Shot {
     let [width, height] = image.size();
     let display = match image.encoding() {
         Encoding::Linear => {
@@ -142,8 +162,9 @@ mod tests {
         let path = folder.path().join("a.png");
         RgbaImage::new(32, 16).save(&path).unwrap();
         let described = |size| {
-            let picture = FilePicture::open(path.clone(), &Settings { size, ..Settings::default() }).unwrap();
-            (picture.described(), picture.is_whole())
+            let settings = Settings { size, ..Settings::default() };
+            let picture = FilePicture::read(path.clone(), &settings).join().unwrap().unwrap();
+            (picture.described(), picture.is_whole(&settings))
         };
         assert_eq!(described([32, 16]), ("32x16".to_owned(), true));
         assert_eq!(described([64, 32]), ("32x16, scaled to the height".to_owned(), true));
@@ -151,6 +172,30 @@ mod tests {
         assert_eq!(described([33, 16]), ("32x16".to_owned(), true));
         assert_eq!(described([40, 16]), ("32x16, too narrow to compare".to_owned(), false));
         std::fs::write(&path, "no picture").unwrap();
-        assert!(FilePicture::open(path.clone(), &Settings::default()).is_err());
+        assert!(FilePicture::read(path.clone(), &Settings::default()).join().unwrap().is_err());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_slow_file_keeps_nobody_waiting() {
+        let folder = tempfile::tempdir().unwrap();
+        let (pipe, file) = (folder.path().join("pipe.exr"), folder.path().join("a.exr"));
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        image::Rgb32FImage::new(32, 16).save(&file).unwrap();
+        // Nobody writes to the pipe yet.
+        let reading = FilePicture::read(pipe.clone(), &Settings::default());
+        assert!(!reading.is_finished());
+        std::fs::write(&pipe, std::fs::read(&file).unwrap()).unwrap();
+        let _ = reading.join().unwrap();
+
+        let start = Settings { size: [32, 16], ..Settings::default() };
+        let wider = Settings { size: [64, 32], ..Settings::default() };
+        let mut picture = FilePicture::read(file, &start).join().unwrap().unwrap();
+        let end = std::time::Instant::now() + std::time::Duration::from_secs(60);
+        while picture.version == 0 && std::time::Instant::now() < end {
+            assert!(picture.shot.size == start.size && !picture.is_whole(&wider));
+            picture.follow(&wider);
+        }
+        assert!(picture.shot.size == wider.size && picture.is_whole(&wider));
     }
 }

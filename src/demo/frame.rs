@@ -22,6 +22,7 @@ impl App {
         self.take_built()?;
         self.take_saved();
         let Some(open) = &mut self.open else { return Ok(()) };
+        open.take_picture();
         if let Some(rows) = open.follow_comparison() {
             self.log.event("compared", rows);
         }
@@ -207,7 +208,7 @@ impl Open {
                     self.flight = Flight::new(session.radius, session.live_scene.metres_per_unit);
                     self.clock.time = 0.0;
                 }
-                self.split = None;
+                (self.split, self.reading) = (None, None);
                 self.panel.hidden &= self.tour.take().is_none();
                 self.session = Some(session);
                 self.inspector.forget();

@@ -6,12 +6,14 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 use serde::Serialize;
 
+use super::edit::Entry;
+use super::keys::key_at;
 use super::session::{Selected, Session};
 use super::transform::{
-    moved_instance, moved_light, rotated_instance, rotated_light, scaled_instance, scaled_light,
+    moved_instance, moved_key, moved_light, rotated_instance, rotated_key, rotated_light, scaled_instance,
+    scaled_light,
 };
 use crate::bvh::Ray;
-use crate::formats::{InstanceEntry, LightEntry};
 use crate::scene::LightKind;
 
 /// Length of arrows and radius of rings, as a fraction of the picture's height at the pivot.
@@ -64,13 +66,8 @@ pub(super) struct HandleDrag {
     /// Position along the axis, or angle about it, at the start of the drag.
     start: f32,
     original: Entry,
-}
-
-/// A document entry, as at the start of the drag.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Entry {
-    Instance(usize, InstanceEntry),
-    Light(usize, LightEntry),
+    /// The key that is moved or rotated in place of the whole motion.
+    key: Option<usize>,
 }
 
 /// Projection from world space to window points.
@@ -242,8 +239,8 @@ pub(super) fn light_at(session: &Session, viewport: Rect, at: Pos2) -> Option<Se
 }
 
 impl HandleDrag {
-    /// Starts a drag at a window position, if there is a handle.
-    pub fn begin(session: &Session, mode: Mode, viewport: Rect, at: Pos2) -> Option<Self> {
+    /// Starts a drag at a window position, if there is a handle; of the key at `time`, if the clock stands there.
+    pub fn begin(session: &Session, mode: Mode, time: Option<f64>, viewport: Rect, at: Pos2) -> Option<Self> {
         let selected = session.selected?;
         let pivot = session.place_of(selected)?;
         let projector = Projector::new(session, viewport);
@@ -256,13 +253,10 @@ impl HandleDrag {
             points.windows(2).map(|ends| distance_to(at, ends[0], ends[1])).fold(f32::INFINITY, f32::min)
         };
         let nearest = AXES.into_iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
-        let original = match selected {
-            Selected::Instance(index) => {
-                Entry::Instance(index, session.document.instances().nth(index)?.clone())
-            }
-            Selected::Light(index) => Entry::Light(index, session.document.lights().nth(index)?.clone()),
-        };
-        let drag = Self { mode, axis: nearest, pivot, reach, start: 0.0, original };
+        let mut original = session.entry(selected)?;
+        let key =
+            time.zip(original.animation().as_ref()).and_then(|(time, animation)| key_at(animation, time));
+        let drag = Self { mode, axis: nearest, pivot, reach, start: 0.0, original, key };
         let share = (at - viewport.min) / viewport.size();
         let ray = session.ray(Vec2::new(share.x, share.y));
         let start = drag.place(&ray).filter(|_| distance(nearest) < GRIP)?;
@@ -297,19 +291,30 @@ impl HandleDrag {
         }
         // A handle's length outwards doubles the size, one inwards halves it.
         let factor = (way / self.reach).clamp(-8.0, 8.0).exp2();
+        let turn = Quat::from_axis_angle(self.axis, way);
+        let mut keyed = self.original.clone();
+        let keys = keyed.animation().as_mut().map(|animation| &mut animation.keyframes);
+        if let Some(key) =
+            self.key.and_then(|index| keys?.get_mut(index)).filter(|_| self.mode != Mode::Scale)
+        {
+            *key = if self.mode == Mode::Move {
+                moved_key(key, self.axis * way)
+            } else {
+                rotated_key(key, turn)
+            };
+            return Some(keyed);
+        }
         Some(match (&self.original, self.mode) {
             (Entry::Instance(index, entry), Mode::Move) => {
                 Entry::Instance(*index, moved_instance(entry, self.axis * way))
             }
             (Entry::Instance(index, entry), Mode::Rotate) => {
-                Entry::Instance(*index, rotated_instance(entry, self.axis, way))
+                Entry::Instance(*index, rotated_instance(entry, turn))
             }
             (Entry::Light(index, entry), Mode::Move) => {
                 Entry::Light(*index, moved_light(entry, self.axis * way))
             }
-            (Entry::Light(index, entry), Mode::Rotate) => {
-                Entry::Light(*index, rotated_light(entry, Quat::from_axis_angle(self.axis, way)))
-            }
+            (Entry::Light(index, entry), Mode::Rotate) => Entry::Light(*index, rotated_light(entry, turn)),
             (Entry::Instance(index, entry), Mode::Scale) => {
                 Entry::Instance(*index, scaled_instance(entry, factor))
             }
@@ -327,7 +332,7 @@ fn distance_to(at: Pos2, from: Pos2, to: Pos2) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::ScaleEntry;
+    use crate::formats::{InstanceEntry, LightEntry, ScaleEntry};
     use crate::scene::LightType;
 
     fn drag(mode: Mode, axis: Vec3) -> HandleDrag {
@@ -337,7 +342,7 @@ mod tests {
             ..LightEntry::of(LightType::Spot)
         };
         let pivot = Vec3::new(1.0, 2.0, 3.0);
-        HandleDrag { mode, axis, pivot, reach: 2.0, start: 0.0, original: Entry::Light(0, light) }
+        HandleDrag { mode, axis, pivot, reach: 2.0, start: 0.0, original: Entry::Light(0, light), key: None }
     }
 
     fn ray_to(target: Vec3) -> Ray {

@@ -22,6 +22,8 @@ const RAY_COLOURS: [[f32; 4]; 2] = [[0.3, 1.0, 0.4, 0.9], [1.0, 0.2, 0.2, 0.7]];
 pub(super) struct Inspector {
     on: bool,
     point: Option<Picked>,
+    /// The material to edit: index into the scene's.
+    material: Option<usize>,
     /// The VPLs that light it, the strongest first.
     pub found: Vec<Found>,
     /// Whether the renderer's view holds lines of the inspector.
@@ -46,7 +48,7 @@ impl Inspector {
 
     pub fn toggle(&mut self) {
         self.on = !self.on;
-        self.point = None;
+        self.forget();
         self.found.clear();
     }
 
@@ -55,19 +57,25 @@ impl Inspector {
         self.point.is_some()
     }
 
-    /// Forgets the point, which was one of another scene.
+    /// Forgets the point and the material, which may be of another scene.
     pub fn forget(&mut self) {
-        self.point = None;
+        (self.point, self.material) = (None, None);
     }
 
-    /// The material at the point: index into the scene's.
+    /// The material at the point, or the one that was chosen.
     pub fn material(&self) -> Option<usize> {
-        self.point.map(|point| point.material)
+        self.material
+    }
+
+    /// Chooses a material, of no point; none: closes the editor.
+    pub fn choose(&mut self, material: Option<usize>) {
+        (self.point, self.material) = (None, material);
     }
 
     /// Inspects the surface at a position of the picture.
     pub fn look(&mut self, session: &Session, at: Vec2) {
         self.point = session.pick(at);
+        self.material = self.point.map(|point| point.material);
     }
 
     /// Reads the pixel at a position of the picture, a few times a second.

@@ -31,6 +31,9 @@ pub(super) struct Edited {
     /// Its files, which need not be read again.
     pub read: ReadFiles,
     pub settings: Settings,
+    /// Whether to compile the shaders of the repository before.
+    #[cfg(feature = "shader-reload")]
+    pub compiles_shaders: bool,
     /// The scene of the current renderer, if that may go on with another one.
     pub current: Option<Arc<Scene>>,
 }
@@ -155,8 +158,12 @@ fn build(request: LoadRequest, launch: &Launch, sender: &Sender<Message>) -> Res
     let assets = launch.assets.as_deref();
     let LoadRequest { name, edited, device, size } = request;
     let same = edited.is_some();
+    #[cfg(feature = "shader-reload")]
+    if edited.as_ref().is_some_and(|edited| edited.compiles_shaders) {
+        crate::vulkan::compile_shaders().map_err(DemoError::Loading)?;
+    }
     let (document, scene, read, settings, current) = match edited {
-        Some(Edited { document, mut read, settings, current }) => {
+        Some(Edited { document, mut read, settings, current, .. }) => {
             let scene = document.build(assets, &mut read)?;
             (document, scene, read, Settings { size, ..settings }, current)
         }

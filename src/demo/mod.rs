@@ -16,6 +16,7 @@ mod gpu;
 mod handles;
 mod history;
 mod inspector;
+mod keys;
 mod live_metrics;
 mod live_reference;
 mod loader;
@@ -42,7 +43,6 @@ use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
 use crate::formats::SceneError;
-use crate::metrics::MetricsError;
 use crate::output::OutputError;
 use crate::renderer::RenderError;
 use crate::settings::{GivenSettings, SettingsError};
@@ -116,9 +116,6 @@ pub enum DemoError {
         /// What is wrong.
         error: SettingsError,
     },
-    /// A picture cannot be read.
-    #[error(transparent)]
-    Picture(#[from] MetricsError),
     /// The log cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),

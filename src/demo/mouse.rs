@@ -7,7 +7,8 @@ use winit::keyboard::KeyCode;
 
 use super::action::{Action, action_of};
 use super::app::Open;
-use super::handles::{Entry, HandleDrag, light_at};
+use super::edit::Entry;
+use super::handles::{HandleDrag, light_at};
 use super::pointer::Drag;
 use crate::vulkan::Viewport;
 
@@ -103,11 +104,12 @@ impl Open {
     fn choose(&mut self) {
         let (at, viewport) = (self.pointer_in_points(), self.panel.viewport(self.egui.egui_ctx()));
         let in_picture = self.pointer_in_picture();
+        let time = self.clock.paused.then_some(self.clock.time);
         let Some(session) = &self.session else { return };
         if self.panel.hidden {
             return;
         }
-        if let Some(drag) = HandleDrag::begin(session, self.mode, viewport, at) {
+        if let Some(drag) = HandleDrag::begin(session, self.mode, time, viewport, at) {
             self.pointer.begin(MouseButton::Left, Drag::Handle(Box::new(drag)));
             return;
         }
@@ -119,17 +121,8 @@ impl Open {
     pub(super) fn drag_handle(&mut self) {
         let (Some(session), Some(Drag::Handle(drag))) = (&self.session, self.pointer.drag()) else { return };
         let dragged = drag.dragged(&session.ray(self.pointer_in_picture()));
-        let action = dragged.and_then(|entry| match entry {
-            Entry::Instance(index, entry) => {
-                let changes = session.document.instances().nth(index) != Some(&entry);
-                changes.then(|| Action::EditInstance(index, Box::new(entry)))
-            }
-            Entry::Light(index, entry) => {
-                let changes = session.document.lights().nth(index) != Some(&entry);
-                changes.then(|| Action::EditLight(index, Box::new(entry)))
-            }
-        });
-        self.actions.extend(action);
+        let now = session.selected.and_then(|selected| session.entry(selected));
+        self.actions.extend(dragged.filter(|entry| now.as_ref() != Some(entry)).map(Entry::edit));
     }
 
     /// Zooms with Ctrl, or else changes the speed of flight.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::DemoError;
 use super::action::Action;
 use super::app::{App, Open, slow_click_context};
-use super::edit::{free_name, free_place, new_light};
+use super::edit::{Entry, free_name, free_place, new_light};
 use super::loader::{Edited, LoadRequest};
 use super::panel::Purpose;
 use super::recorder::Recording;
@@ -129,6 +129,14 @@ impl Open {
                 if let Some(session) = &mut self.session {
                     session.selected = selected;
                 }
+                self.inspector.choose(None);
+            }
+            #[cfg(feature = "shader-reload")]
+            Action::ReloadShaders => {
+                if let Some(session) = &self.session {
+                    let edited = Edited { compiles_shaders: true, ..session.to_build(true) };
+                    self.request_scene(session.name.clone(), Some(edited));
+                }
             }
             Action::Handles(mode) => self.mode = mode.unwrap_or(self.mode.next()),
             Action::EditLight(index, entry) => self.edit(|session| session.set_light(index, *entry)),
@@ -249,22 +257,14 @@ impl Open {
         self.edit(|session| {
             let place = session.selected.and_then(|selected| session.place_of(selected)).unwrap_or_default();
             let way = free_place(session, place) - place;
-            match session.selected {
-                Some(Selected::Light(index)) => {
-                    let Some(light) = session.document.lights().nth(index) else { return Ok(Change::Live) };
+            match session.selected.and_then(|selected| session.entry(selected)) {
+                Some(Entry::Light(_, light)) => {
                     let name = light.name.as_ref().map(|name| format!("{name} copy"));
-                    let copy = LightEntry { name, ..light.clone() };
-                    session.add_light(moved_light(&copy, way))
+                    session.add_light(moved_light(&LightEntry { name, ..light }, way))
                 }
-                Some(Selected::Instance(index)) => {
-                    let Some(instance) = session.document.instances().nth(index) else {
-                        return Ok(Change::Live);
-                    };
-                    let copy = InstanceEntry {
-                        name: Some(free_name(session, instance.name.as_ref().unwrap_or(&instance.model))),
-                        ..instance.clone()
-                    };
-                    session.add_instance(moved_instance(&copy, way))
+                Some(Entry::Instance(_, instance)) => {
+                    let name = Some(free_name(session, instance.shown_name()));
+                    session.add_instance(moved_instance(&InstanceEntry { name, ..instance }, way))
                 }
                 None => Ok(Change::Live),
             }

@@ -18,7 +18,7 @@ use crate::scene::{Camera, LightKind, LightType, Pose, Scene};
 use crate::settings::Settings;
 
 /// A selectable entry of the document.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Selected {
     /// One of the instances.
@@ -163,6 +163,8 @@ impl Session {
             document,
             read: self.read.clone(),
             settings: self.settings.clone(),
+            #[cfg(feature = "shader-reload")]
+            compiles_shaders: false,
             current: (!anew).then(|| Arc::clone(&self.scene)),
         }
     }

@@ -78,37 +78,25 @@ impl RightSide {
 }
 
 impl Split {
-    /// Divides the window in the middle. With a renderer, that of the session starts again, so that both have the same past.
-    pub fn new(device: &Arc<Device>, session: &mut Session, side: RightSide) -> Result<Self, DemoError> {
-        let right = Right::new(device, session, side)?;
-        Ok(Self {
+    /// Divides the window in the middle.
+    pub fn new(right: Right) -> Self {
+        Self {
             at: 0.5,
             shows_difference: false,
             right,
             metrics: LiveMetrics::default(),
             taken_ms: [0.0; 2],
             is_compared: true,
-        })
+        }
     }
 
-    /// Sets what is right of the divider.
-    pub fn set_right(
-        &mut self,
-        device: &Arc<Device>,
-        session: &mut Session,
-        side: RightSide,
-    ) -> Result<(), DemoError> {
-        match (&mut self.right, side) {
-            (Right::Renderer(other), RightSide::Settings(settings)) => {
-                let settings = Settings { size: session.settings.size, ..*settings };
-                other.renderer.set_settings(&settings, &session.pose)?;
-                other.settings = settings;
-            }
-            (right, side) => *right = Right::new(device, session, side)?,
+    /// Sets what is right of the divider; none: what is there has changed.
+    pub fn set_right(&mut self, right: Option<Right>) {
+        if let Some(right) = right {
+            self.right = right;
         }
         self.metrics.forget();
         self.taken_ms = [0.0; 2];
-        Ok(())
     }
 
     /// Which sides are to draw this frame, left and right: that which has had less time, or both where they are compared.
@@ -137,7 +125,7 @@ impl Split {
             Right::Reference(reference) => reference.follow(session),
             Right::Picture(picture) => {
                 picture.follow(&session.settings);
-                if !picture.is_whole() {
+                if !picture.is_whole(&session.settings) {
                     self.metrics.forget();
                     return Ok(());
                 }
@@ -210,18 +198,24 @@ impl Split {
 }
 
 impl Right {
-    fn new(device: &Arc<Device>, session: &mut Session, side: RightSide) -> Result<Self, DemoError> {
-        Ok(match side {
-            RightSide::Reference => Self::Reference(Box::default()),
-            RightSide::Picture(path) => Self::Picture(Box::new(FilePicture::open(path, &session.settings)?)),
-            RightSide::Settings(settings) => {
-                let settings = Settings { size: session.settings.size, ..*settings };
-                let prepared = session.renderer.prepared();
-                let renderer = Renderer::with_scene(device, prepared.clone(), &settings, &session.pose)?;
-                session.renderer.replace_scene(prepared, &session.settings, &session.pose)?;
-                Self::Renderer(Box::new(Other { renderer, settings, report: FrameReport::default() }))
-            }
-        })
+    /// Other settings right of the divider. The renderer that is there goes on with them; with a new one, that of the session starts
+    /// again, so that both have the same past.
+    pub fn of_settings(
+        device: &Arc<Device>,
+        session: &mut Session,
+        settings: &Settings,
+        there: Option<&mut Other>,
+    ) -> Result<Option<Self>, DemoError> {
+        let settings = Settings { size: session.settings.size, ..settings.clone() };
+        if let Some(other) = there {
+            other.renderer.set_settings(&settings, &session.pose)?;
+            other.settings = settings;
+            return Ok(None);
+        }
+        let prepared = session.renderer.prepared();
+        let renderer = Renderer::with_scene(device, prepared.clone(), &settings, &session.pose)?;
+        session.renderer.replace_scene(prepared, &session.settings, &session.pose)?;
+        Ok(Some(Self::Renderer(Box::new(Other { renderer, settings, report: FrameReport::default() }))))
     }
 }
 

@@ -1,8 +1,9 @@
-//! Lights and instances of the document, translated, rotated and scaled.
+//! Lights, instances and keys of the document, translated, rotated and scaled.
 
 use glam::{Quat, Vec3};
 
-use crate::formats::{AxisAngle, InstanceEntry, LightEntry, RotationEntry, ScaleEntry};
+use crate::formats::{AxisAngle, InstanceEntry, KeyframeEntry, LightEntry, RotationEntry, ScaleEntry};
+use crate::scene::Keyframe;
 
 fn plus(place: [f32; 3], way: Vec3) -> [f32; 3] {
     (Vec3::from_array(place) + way).to_array()
@@ -13,9 +14,9 @@ pub(super) fn moved_instance(entry: &InstanceEntry, way: Vec3) -> InstanceEntry 
     InstanceEntry { translation: Some(plus(entry.translation.unwrap_or_default(), way)), ..entry.clone() }
 }
 
-/// An instance rotated about `axis` by `angle`, radians, after its own rotation.
-pub(super) fn rotated_instance(entry: &InstanceEntry, axis: Vec3, angle: f32) -> InstanceEntry {
-    let now = match entry.rotation {
+/// A rotation followed by `turn`.
+fn turned(rotation: Option<RotationEntry>, turn: Quat) -> RotationEntry {
+    let now = match rotation {
         None => Quat::IDENTITY,
         Some(RotationEntry::Euler(degrees)) => {
             let [x, y, z] = degrees.map(f32::to_radians);
@@ -26,9 +27,30 @@ pub(super) fn rotated_instance(entry: &InstanceEntry, axis: Vec3, angle: f32) ->
             turn.degrees.to_radians(),
         ),
     };
-    let (axis, angle) = (Quat::from_axis_angle(axis, angle) * now).normalize().to_axis_angle();
-    let turn = AxisAngle { axis: axis.to_array(), degrees: angle.to_degrees() };
-    InstanceEntry { rotation: Some(RotationEntry::AxisAngle(turn)), ..entry.clone() }
+    let (axis, angle) = (turn * now).normalize().to_axis_angle();
+    RotationEntry::AxisAngle(AxisAngle { axis: axis.to_array(), degrees: angle.to_degrees() })
+}
+
+/// An instance rotated by `turn` after its own rotation.
+pub(super) fn rotated_instance(entry: &InstanceEntry, turn: Quat) -> InstanceEntry {
+    InstanceEntry { rotation: Some(turned(entry.rotation, turn)), ..entry.clone() }
+}
+
+/// A key at `time` of a motion that is `now` there.
+pub(super) fn key_of(time: f64, now: &Keyframe) -> KeyframeEntry {
+    let translation = (now.translation != Vec3::ZERO).then(|| now.translation.to_array());
+    let rotation = (now.rotation.angle_between(Quat::IDENTITY) > 1e-4).then(|| turned(None, now.rotation));
+    KeyframeEntry { time, translation, rotation }
+}
+
+/// A key whose object is translated by `way`.
+pub(super) fn moved_key(key: &KeyframeEntry, way: Vec3) -> KeyframeEntry {
+    KeyframeEntry { translation: Some(plus(key.translation.unwrap_or_default(), way)), ..key.clone() }
+}
+
+/// A key whose object is rotated by `turn` in its place.
+pub(super) fn rotated_key(key: &KeyframeEntry, turn: Quat) -> KeyframeEntry {
+    KeyframeEntry { rotation: Some(turned(key.rotation, turn)), ..key.clone() }
 }
 
 /// An instance larger by `factor` along all axes.
@@ -83,7 +105,7 @@ mod tests {
     fn turns_of_an_instance_add_up() {
         let text = "model = \"m\"\nrotation = [0, 90, 0]";
         let entry: InstanceEntry = toml::from_str(text).unwrap();
-        let turned = rotated_instance(&entry, Vec3::Y, 30f32.to_radians());
+        let turned = rotated_instance(&entry, Quat::from_rotation_y(30f32.to_radians()));
         let Some(RotationEntry::AxisAngle(turn)) = turned.rotation else { panic!() };
         assert!(Vec3::from_array(turn.axis).distance(Vec3::Y) < 1e-5 && (turn.degrees - 120.0).abs() < 1e-3);
     }

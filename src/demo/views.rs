@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::DemoError;
 use super::action::Action;
 use super::app::Open;
+use super::file_picture::FilePicture;
 use super::panel::PathsState;
 use super::recorder::Recording;
 use super::split::{Right, RightSide, Split};
@@ -38,6 +39,7 @@ impl Open {
             }
             Action::Flip => self.change_split(|split| split.at = if split.at > 0.5 { 0.0 } else { 1.0 }),
             Action::ToggleInspector => self.inspector.toggle(),
+            Action::ChooseMaterial(material) => self.inspector.choose(Some(material)),
             // [`App::perform`](super::app::App::perform) and [`Open::change`] have taken all others.
             _ => {}
         }
@@ -104,27 +106,56 @@ impl Open {
 
     /// Divides the window, shows something else right of the divider, or goes back to one picture.
     pub(super) fn divide(&mut self, side: Option<RightSide>) -> Result<(), DemoError> {
+        self.reading = None;
         let (Some(session), Some(side)) = (&mut self.session, side) else {
             self.split = None;
             return Ok(());
         };
-        let had_renderer = self.split.as_ref().is_some_and(|split| matches!(split.right, Right::Renderer(_)));
-        let restarts = matches!(side, RightSide::Settings(_)) && !had_renderer;
-        let done = match &mut self.split {
-            Some(split) => split.set_right(&self.gpu.device, session, side),
-            None => Split::new(&self.gpu.device, session, side).map(|split| self.split = Some(split)),
+        let mut restarts = false;
+        let right = match side {
+            RightSide::Reference => Ok(Some(Right::Reference(Box::default()))),
+            RightSide::Picture(path) => {
+                self.panel.message = format!("reading {}", path.display());
+                self.reading = Some(FilePicture::read(path, &session.settings));
+                return Ok(());
+            }
+            RightSide::Settings(settings) => {
+                let there = match &mut self.split {
+                    Some(Split { right: Right::Renderer(other), .. }) => Some(&mut **other),
+                    _ => None,
+                };
+                restarts = there.is_none();
+                Right::of_settings(&self.gpu.device, session, &settings, there)
+            }
         };
-        match done {
+        match right {
             Err(error) if error.is_device_lost() => return Err(error),
             Err(error) => self.panel.error = Some(error.to_string()),
-            Ok(()) => {}
+            Ok(right) => self.put_right(right),
         }
-        if let Recording::On(recorder) = &mut self.recording
-            && restarts
+        if let (true, Recording::On(recorder), Some(session)) = (restarts, &mut self.recording, &self.session)
         {
             recorder.renewed(session);
         }
         Ok(())
+    }
+
+    fn put_right(&mut self, right: Option<Right>) {
+        match (&mut self.split, right) {
+            (Some(split), right) => split.set_right(right),
+            (None, right) => self.split = right.map(Split::new),
+        }
+    }
+
+    /// Shows a picture right of the divider once its file is read.
+    pub(super) fn take_picture(&mut self) {
+        let Some(reading) = self.reading.take_if(|reading| reading.is_finished()) else { return };
+        self.panel.message.clear();
+        match reading.join() {
+            Ok(Ok(picture)) => self.put_right(Some(Right::Picture(Box::new(picture)))),
+            Ok(Err(error)) => self.panel.error = Some(error.to_string()),
+            Err(_) => self.panel.error = Some("the picture could not be read".to_owned()),
+        }
     }
 
     pub(super) fn view(&mut self, view: &DebugView) -> Result<(), DemoError> {

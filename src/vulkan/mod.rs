@@ -30,6 +30,8 @@ mod present;
 mod present_slot;
 mod ray_query;
 mod reflect;
+#[cfg(feature = "shader-reload")]
+mod reload;
 mod sampler;
 mod shared_set;
 mod surface;
@@ -74,6 +76,8 @@ pub use present::{Presented, Presenter};
 #[cfg(feature = "window")]
 pub use present_slot::{Pane, Viewport};
 pub use reflect::{BindingKind, Reflection};
+#[cfg(feature = "shader-reload")]
+pub use reload::compile_shaders;
 pub use sampler::{Sampler, SamplerDescription};
 pub use shared_set::SharedSet;
 pub use surface::Surface;

@@ -9,6 +9,8 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use ash::vk;
 
 use super::layout::Layout;
+#[cfg(feature = "shader-reload")]
+use super::reload::newest;
 use super::{Device, Reflection, VulkanError};
 
 /// A compute pipeline with its layout. Clones, and those that are made of the same shader while it lives, share it.
@@ -24,6 +26,12 @@ pub(super) struct Compute {
 /// Shader and specialisation constants.
 pub(super) type ComputeKey = (&'static [u8], Vec<u32>);
 
+/// Each shader as it was built into the program.
+#[cfg(not(feature = "shader-reload"))]
+fn newest(spirv: &'static [u8]) -> &'static [u8] {
+    spirv
+}
+
 impl ComputePipeline {
     /// Creates a pipeline from a compiled shader. `name` is for messages and debuggers.
     pub fn new(device: &Arc<Device>, name: &str, spirv: &'static [u8]) -> Result<Self, VulkanError> {
@@ -37,6 +45,7 @@ impl ComputePipeline {
         spirv: &'static [u8],
         constants: &[u32],
     ) -> Result<Self, VulkanError> {
+        let spirv = newest(spirv);
         let make = || Compute::new(device, name, spirv, constants);
         device.compute_pipelines().share((spirv, constants.to_vec()), make).map(Self)
     }
@@ -107,7 +116,9 @@ pub(super) struct Graphics {
 impl GraphicsPipeline {
     /// Creates a pipeline that renders to `colors` and, unless it blends, a 32-bit depth buffer.
     pub fn new(device: &Arc<Device>, description: &GraphicsDescription) -> Result<Self, VulkanError> {
-        device.graphics_pipelines().share(*description, || Graphics::new(device, description)).map(Self)
+        let [vertex, fragment] = [description.vertex, description.fragment].map(newest);
+        let newest = GraphicsDescription { vertex, fragment, ..*description };
+        device.graphics_pipelines().share(newest, || Graphics::new(device, &newest)).map(Self)
     }
 }
 

@@ -175,6 +175,7 @@ fn lights_get_an_extent_which_is_saved() {
     let mut demo = Demo::start(&server, &[&SMALL[..], &["--size=160x600"]].concat());
     demo.frames(3);
     demo.click_widget("Scene");
+    demo.click_widget("Time");
     demo.click_widget("Lights and objects");
     for (kind, slider) in [("add point", "light radius"), ("add directional", "light angle")] {
         let seen = demo.now();
@@ -225,6 +226,7 @@ fn objects_are_added() {
     let mut demo = Demo::start(&server, &[&["cornell-box"][..], &SMALL].concat());
     let before = settled(&mut demo);
     demo.click_widget("Scene");
+    demo.click_widget("Time");
     demo.click_widget("Lights and objects");
     demo.click_widget("add an object");
     let seen = demo.now();

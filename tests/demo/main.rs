@@ -19,6 +19,7 @@ mod screen;
 mod session;
 mod smooth;
 mod split;
+mod timeline;
 mod tour;
 mod window;
 mod x_server;

@@ -51,6 +51,7 @@ fn edits_are_not_lost_without_a_question() {
     let Some(server) = XServer::open() else { return };
     let mut demo = Demo::start(&server, &SMALL);
     demo.click_widget("Scene");
+    demo.click_widget("Time");
     demo.click_widget("Lights and objects");
     let seen = demo.now();
     demo.click_widget("add point");

@@ -77,6 +77,7 @@ fn assert_vpls_are_replaced(demo: &mut Demo<'_>) {
 
 fn dragging_a_light_changes_the_indirect_light(demo: &mut Demo<'_>) {
     demo.click_widget("Scene");
+    demo.click_widget("Time");
     demo.click_widget("Lights and objects");
     let seen = demo.now();
     demo.click_widget("add point");

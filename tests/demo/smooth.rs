@@ -45,6 +45,7 @@ fn session(server: &XServer) -> (Value, Vec<Part>) {
     }
     begins(&mut demo, "a new light");
     demo.click_widget("Scene");
+    demo.click_widget("Time");
     // A selection has opened it.
     demo.input(&["key", "Escape"]);
     if !demo.shows("add spot") {

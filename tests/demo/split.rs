@@ -89,6 +89,7 @@ fn edits_and_settings_are_taken_back_and_made_again() {
     let mut demo = Demo::start(&server, &SMALL);
     demo.key_for("space", "toggle-pause");
     demo.click_widget("Scene");
+    demo.click_widget("Time");
     demo.click_widget("Lights and objects");
     let settled = |demo: &mut Demo<'_>| {
         demo.settle();

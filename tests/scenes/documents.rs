@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use glowworm::formats::{EnvironmentEntry, LightEntry, MaterialEdit, SceneDocument, scene_of_text};
+use glowworm::formats::{
+    AnimationEntry, EnvironmentEntry, KeyframeEntry, LightEntry, MaterialEdit, SceneDocument, scene_of_text,
+};
 
 use super::*;
 
@@ -216,4 +218,57 @@ fn comments_and_order_survive_an_edit() {
     let moved = elsewhere.path().join("mine.toml");
     std::fs::write(&moved, document.text_to_save(&moved)).unwrap();
     assert!(load_scene(moved.to_str().unwrap(), None).is_ok());
+}
+
+/// Keys of a light with comments, between brackets.
+const KEYED: &str = r#"[[lights]]
+type = "point"
+position = [0, 3, 0]
+intensity = [20, 20, 20]
+[lights.animation]
+keyframes = [
+    { time = 0 },                           # at rest
+    { time = 2, translation = [1, 0, 0] },  # to the right
+    { time = 4 },
+]
+repeat = true  # for ever
+[[models]]
+name = "wedge"
+path = "wedge.obj"
+[[instances]]
+model = "wedge"  # stands still
+"#;
+
+#[test]
+fn keyframes_are_edited_line_by_line() {
+    let (folder, _) = model_and_map();
+    let file = folder.path().join("mine.toml");
+    std::fs::write(&file, KEYED).unwrap();
+    let open = || SceneDocument::open(file.to_str().unwrap(), None).unwrap().0;
+    let key = |time: f64, x: f32| {
+        let translation = (x != 0.0).then_some([x, 0.0, 0.0]);
+        KeyframeEntry { time, translation, rotation: None }
+    };
+    let saved = |edit: &dyn Fn(&mut Vec<KeyframeEntry>)| {
+        let mut document = open();
+        edit(&mut document.light_mut(0).unwrap().animation.as_mut().unwrap().keyframes);
+        document.text_to_save(&file)
+    };
+    assert_eq!(saved(&|_| {}), KEYED);
+    // One moved in time, one added between, one at the end, one deleted.
+    assert_eq!(saved(&|keys| keys[1].time = 2.5), KEYED.replace("time = 2,", "time = 2.5,"));
+    let between = "# at rest\n    { time = 1.0, translation = [0.5, 0.0, 0.0] },\n";
+    assert_eq!(saved(&|keys| keys.insert(1, key(1.0, 0.5))), KEYED.replace("# at rest\n", between));
+    let last = "    { time = 4 },\n    { time = 6.0 },\n";
+    assert_eq!(saved(&|keys| keys.push(key(6.0, 0.0))), KEYED.replace("    { time = 4 },\n", last));
+    let line = "    { time = 2, translation = [1, 0, 0] },  # to the right\n";
+    assert_eq!(saved(&|keys| keys.retain(|key| key.time != 2.0)), KEYED.replace(line, ""));
+
+    // Those of an object that had none.
+    let mut document = open();
+    let keyframes = vec![key(0.0, 0.0), key(1.0, 2.0)];
+    let animation = AnimationEntry { keyframes, ..AnimationEntry::default() };
+    document.instance_mut(0).unwrap().animation = Some(animation);
+    let added = "\n[instances.animation]\nkeyframes = [\n    { time = 0.0 },\n    { time = 1.0, translation = [2.0, 0.0, 0.0] },\n]\n";
+    assert_eq!(document.text_to_save(&file), KEYED.to_owned() + added);
 }

@@ -1,4 +1,4 @@
-//! The material at the inspector's point, with its sliders.
+//! The material at the inspector's point or chosen in the tree, with its sliders.
 
 use egui::{ScrollArea, Slider, SliderClamping, Ui, Window};
 

@@ -14,6 +14,7 @@ mod settings;
 mod split;
 mod thumbnails;
 mod time;
+mod tree;
 mod unsaved;
 mod views;
 mod vpls;
@@ -181,8 +182,8 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
         });
     });
     split::draw(ui, state, shown, &mut actions);
+    material::draw(ui, state, shown, &mut actions);
     if shown.inspector.is_on() {
-        material::draw(ui, state, shown, &mut actions);
         vpls::inspector(ui, viewport, shown, &mut actions);
     }
     release_number(ui.ctx(), state);

@@ -1,15 +1,15 @@
 //! Lights and instances: select, edit, add, delete.
 
-use egui::{ComboBox, DragValue, Id, ScrollArea, Slider, SliderClamping, TextEdit, Ui};
+use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use glam::Vec3;
 
-use super::{Places, Shown, keep_keyboard, place, place_track};
+use super::{Places, Shown, keep_keyboard, place, place_track, tree};
 use crate::demo::action::Action;
-use crate::demo::edit::{Motion, NewObject};
+use crate::demo::edit::NewObject;
 use crate::demo::handles::Mode;
 use crate::demo::session::{Selected, Session, carry, label};
 use crate::formats::{
-    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, Primitive, RotationEntry, ScaleEntry,
+    AnimationEntry, AxisAngle, InstanceEntry, LightEntry, Primitive, RotationEntry, ScaleEntry, SpinEntry,
 };
 use crate::scene::LightType;
 
@@ -26,7 +26,7 @@ pub(super) fn draw(
     let field = ui.add(TextEdit::singleline(searched).hint_text("search by name").desired_width(150.0));
     place(ui, places, "search", &field);
     keep_keyboard(ui, &field);
-    list(ui, session, searched, actions);
+    tree::draw(ui, session, shown.inspector.material(), searched, places, actions);
     ui.horizontal_wrapped(|ui| {
         ui.label("add");
         for kind in KINDS {
@@ -91,32 +91,6 @@ fn add_object(ui: &mut Ui, session: &Session, places: &mut Places, actions: &mut
     place(ui, places, "add an object", &menu.response);
 }
 
-/// Lights, then objects, whose names have what is searched in them; what is selected is always there.
-fn list(ui: &mut Ui, session: &Session, searched: &str, actions: &mut Vec<Action>) {
-    let searched = searched.trim().to_lowercase();
-    let shown = Id::new("selected entry");
-    let is_new = ui.data(|data| data.get_temp(shown)) != Some(session.selected);
-    ui.data_mut(|data| data.insert_temp(shown, session.selected));
-    let mut entry = |ui: &mut Ui, this: Selected, name: String| {
-        let is_selected = session.selected == Some(this);
-        if !is_selected && !name.to_lowercase().contains(&searched) {
-            return;
-        }
-        let label = ui.selectable_label(is_selected, name);
-        if label.clicked() {
-            actions.push(Action::Select(Some(this)));
-        }
-        if is_selected && is_new {
-            label.scroll_to_me(None);
-        }
-    };
-    ScrollArea::vertical().id_salt("objects").max_height(110.0).auto_shrink([false, true]).show(ui, |ui| {
-        let lights = (0..session.document.lights().len()).map(Selected::Light);
-        let instances = (0..session.document.instances().len()).map(Selected::Instance);
-        lights.chain(instances).for_each(|known| entry(ui, known, session.name_of(known)));
-    });
-}
-
 fn light(
     ui: &mut Ui,
     session: &Session,
@@ -158,7 +132,7 @@ fn light(
         actions.push(Action::ToggleHeadlamp);
     }
     if light.instance.is_none() {
-        motion(ui, &mut light.animation, session.radius);
+        spin(ui, &mut light.animation);
     }
     if light != *entry {
         actions.push(Action::EditLight(index, Box::new(light)));
@@ -239,7 +213,7 @@ fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry,
             });
         }
     }
-    motion(ui, &mut instance.animation, session.radius);
+    spin(ui, &mut instance.animation);
     if instance != *entry {
         actions.push(Action::EditInstance(index, Box::new(instance)));
     }
@@ -307,45 +281,16 @@ fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut P
     }
 }
 
-fn motion(ui: &mut Ui, animation: &mut Option<AnimationEntry>, radius: f32) {
-    let now = Motion::of(animation.as_ref());
-    let mut motion = now;
-    let label = match now {
-        Motion::Still => "still",
-        Motion::Spin(_) => "spin",
-        Motion::Sway(..) => "sway",
-        Motion::Path(..) => "path",
-        Motion::Keys => "as in the file",
-    };
+/// A constant rotation, about the vertical axis unless it has another.
+fn spin(ui: &mut Ui, animation: &mut Option<AnimationEntry>) {
+    let mut all = animation.clone().unwrap_or_default();
+    let up = SpinEntry { axis: [0.0, 1.0, 0.0], degrees_per_second: 0.0, pivot: None };
+    let mut spin = all.rotation.take().unwrap_or(up);
     ui.horizontal(|ui| {
-        ComboBox::from_label("motion").selected_text(label).width(110.0).show_ui(ui, |ui| {
-            for (choice, label) in [
-                (Motion::Still, "still"),
-                (Motion::Spin(45.0), "spin"),
-                (Motion::Sway(25.0, 4.0), "sway"),
-                (Motion::Path(0.15 * radius, 8.0), "path"),
-            ] {
-                if ui.selectable_label(false, label).clicked() {
-                    motion = choice;
-                }
-            }
-        });
+        ui.label("spin");
+        if ui.add(DragValue::new(&mut spin.degrees_per_second).suffix("°/s")).changed() {
+            all.rotation = (spin.degrees_per_second != 0.0).then_some(spin);
+            *animation = Some(all).filter(|all| !all.keyframes.is_empty() || all.rotation.is_some());
+        }
     });
-    ui.horizontal(|ui| match &mut motion {
-        Motion::Spin(speed) => {
-            ui.add(DragValue::new(speed).suffix("°/s"));
-        }
-        Motion::Sway(degrees, period) => {
-            ui.add(DragValue::new(degrees).range(-179.0..=179.0).suffix("°"));
-            ui.add(DragValue::new(period).range(0.2..=600.0).speed(0.05).suffix(" s"));
-        }
-        Motion::Path(path_radius, period) => {
-            ui.add(DragValue::new(path_radius).range(1e-3..=1e6).speed(2e-3 * radius).prefix("radius "));
-            ui.add(DragValue::new(period).range(0.2..=600.0).speed(0.05).suffix(" s"));
-        }
-        Motion::Still | Motion::Keys => {}
-    });
-    if motion != now && motion != Motion::Keys {
-        *animation = motion.animation();
-    }
 }

@@ -18,7 +18,8 @@ use super::scene_file::environment::numbers_of;
 use super::scene_file::lights::{entry_of, single_light};
 use super::scene_file::motion::{animation_of, transform_of};
 use super::scene_file::schema::{
-    CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, ModelEntry, Primitive, SceneFile,
+    AnimationEntry, CameraEntry, EnvironmentEntry, InstanceEntry, LightEntry, ModelEntry, Primitive,
+    SceneFile,
 };
 use super::scene_file::{MaterialEdit, ReadFiles, load_toml};
 use crate::scene::{Animation, Camera, Light, LightType, Scene};
@@ -303,6 +304,15 @@ impl SceneDocument {
             Affine3A::from_mat3_translation(rotation, centre)
         };
         Ok(Placement { transform, animation: animation_of(&entry, light.animation.as_ref())? })
+    }
+
+    /// The motion of an animation.
+    ///
+    /// # Errors
+    /// Those of a scene file, for this entry; one that neither has keys nor rotates is one, too.
+    pub fn animation(&self, animation: &AnimationEntry) -> Result<Animation, SceneError> {
+        let entry = Entry::edited(&self.path, "animation");
+        animation_of(&entry, Some(animation)).map(Option::unwrap_or_default)
     }
 
     /// Sets the camera, without animation.

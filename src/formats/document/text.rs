@@ -123,6 +123,16 @@ fn update(table: &mut dyn TableLike, before: &Table, now: &Table) {
             {
                 update_tables(tables, old, new);
             }
+            (
+                Some(Value::Array(old)),
+                Value::Array(new),
+                Some(Item::Value(toml_edit::Value::Array(tables))),
+            ) if tables.len() == old.len()
+                && !new.is_empty()
+                && old.iter().chain(new).all(Value::is_table) =>
+            {
+                update_inline_tables(tables, old, new);
+            }
             _ => set(table, key, value),
         }
     }
@@ -143,9 +153,17 @@ fn set(table: &mut dyn TableLike, key: &str, value: &Value) {
     }
 }
 
-/// The same for an array of tables. Those before and after are paired, in order, so that most values stay the same; the others
-/// are removed and inserted.
-fn update_tables(tables: &mut ArrayOfTables, old: &[Value], new: &[Value]) {
+/// What becomes of the next table of an array.
+enum Step {
+    /// Table i before is table j now.
+    Keep(usize, usize),
+    Remove,
+    /// Table j is new.
+    Insert(usize),
+}
+
+/// How the tables before become those now: those of both are paired, in order, so that most values stay the same.
+fn steps(old: &[Value], new: &[Value]) -> Vec<Step> {
     let (rows, columns) = (old.len(), new.len());
     let mut most = vec![vec![0; columns + 1]; rows + 1];
     let paired = |most: &[Vec<usize>], i: usize, j: usize| match common_values(&old[i], &new[j]) {
@@ -157,24 +175,96 @@ fn update_tables(tables: &mut ArrayOfTables, old: &[Value], new: &[Value]) {
             most[i][j] = paired(&most, i, j).max(most[i + 1][j]).max(most[i][j + 1]);
         }
     }
-    let (mut i, mut j) = (0, 0);
+    let (mut i, mut j, mut steps) = (0, 0, Vec::new());
     while i < rows || j < columns {
         if i < rows && j < columns && most[i][j] > 0 && most[i][j] == paired(&most, i, j) {
-            if let (Some(table), Value::Table(old), Value::Table(new)) = (tables.get_mut(j), &old[i], &new[j])
-            {
-                update(table, old, new);
-            }
+            steps.push(Step::Keep(i, j));
             (i, j) = (i + 1, j + 1);
         } else if j == columns || i < rows && most[i + 1][j] >= most[i][j + 1] {
-            tables.remove(j);
+            steps.push(Step::Remove);
             i += 1;
         } else {
-            if let Ok(mut table) = item_of(&new[j]).into_table() {
-                table.set_position(tables.get(j).and_then(toml_edit::Table::position));
-                tables.insert(j, table);
-            }
+            steps.push(Step::Insert(j));
             j += 1;
         }
+    }
+    steps
+}
+
+/// The same for an array of tables.
+fn update_tables(tables: &mut ArrayOfTables, old: &[Value], new: &[Value]) {
+    let mut at = 0;
+    for step in steps(old, new) {
+        match step {
+            Step::Keep(i, j) => {
+                if let (Some(table), Value::Table(old), Value::Table(new)) =
+                    (tables.get_mut(at), &old[i], &new[j])
+                {
+                    update(table, old, new);
+                }
+            }
+            Step::Remove => {
+                tables.remove(at);
+                continue;
+            }
+            Step::Insert(j) => {
+                if let Ok(mut table) = item_of(&new[j]).into_table() {
+                    table.set_position(tables.get(at).and_then(toml_edit::Table::position));
+                    tables.insert(at, table);
+                }
+            }
+        }
+        at += 1;
+    }
+}
+
+/// The same for an array of tables between brackets, which are in lines of their own if the first one is. A comment beside a
+/// table lies before the next one. As many tables as before are paired one by one.
+fn update_inline_tables(tables: &mut toml_edit::Array, old: &[Value], new: &[Value]) {
+    let prefix = |table: &toml_edit::Value| {
+        table.decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default().to_owned()
+    };
+    let first = tables.get(0).map(&prefix).unwrap_or_default();
+    let line = first.rfind('\n').map(|at| first[at..].to_owned());
+    let gap = line.clone().unwrap_or_else(|| " ".to_owned());
+    let same = || (0..new.len()).map(|index| Step::Keep(index, index)).collect();
+    let mut at = 0;
+    for step in if old.len() == new.len() { same() } else { steps(old, new) } {
+        match step {
+            Step::Keep(i, j) => {
+                if let (Some(table), Value::Table(old), Value::Table(new)) =
+                    (tables.get_mut(at).and_then(toml_edit::Value::as_inline_table_mut), &old[i], &new[j])
+                {
+                    update(table, old, new);
+                }
+            }
+            Step::Remove => {
+                let before = prefix(&tables.remove(at));
+                match tables.get_mut(at) {
+                    Some(next) => next.decor_mut().set_prefix(before),
+                    None if line.is_some() => tables.set_trailing(before.trim_end().to_owned() + "\n"),
+                    None => {}
+                }
+                continue;
+            }
+            Step::Insert(j) => {
+                let Ok(mut table) = item_of(&new[j]).into_value() else { continue };
+                let before = if let Some(next) = tables.get_mut(at) {
+                    let before = prefix(next);
+                    next.decor_mut().set_prefix(gap.clone());
+                    before
+                } else {
+                    let comment = tables.trailing().as_str().unwrap_or_default().trim_end().to_owned();
+                    if line.is_some() {
+                        tables.set_trailing("\n");
+                    }
+                    comment + &gap
+                };
+                *table.decor_mut() = toml_edit::Decor::new(before, "");
+                tables.insert_formatted(at, table);
+            }
+        }
+        at += 1;
     }
 }
 
@@ -210,21 +300,32 @@ fn item_of(value: &Value) -> Item {
     let text = toml::to_string(&Table::from_iter([(KEY.to_owned(), value.clone())])).unwrap_or_default();
     let mut document: DocumentMut = text.parse().unwrap_or_default();
     let mut item = document.remove(KEY).unwrap_or_default();
-    forget_places(&mut item);
+    tidy(&mut item);
     item
 }
 
-/// Tables are written where they were read; without a place, after the one before.
-fn forget_places(item: &mut Item) {
+/// Tables are written where they were read; without a place, after the one before. Keyframes have a line each.
+fn tidy(item: &mut Item) {
     match item {
         Item::Table(table) => {
             table.set_position(None);
-            table.iter_mut().for_each(|(_, item)| forget_places(item));
+            for (mut key, item) in table.iter_mut() {
+                tidy(item);
+                if key == "keyframes"
+                    && let Ok(toml_edit::Value::Array(mut keys)) = std::mem::take(item).into_value()
+                {
+                    keys.iter_mut().for_each(|key| *key.decor_mut() = toml_edit::Decor::new("\n    ", ""));
+                    keys.set_trailing_comma(true);
+                    keys.set_trailing("\n");
+                    key.fmt();
+                    *item = Item::Value(keys.into());
+                }
+            }
         }
         Item::ArrayOfTables(tables) => {
             for table in tables.iter_mut() {
                 table.set_position(None);
-                table.iter_mut().for_each(|(_, item)| forget_places(item));
+                table.iter_mut().for_each(|(_, item)| tidy(item));
             }
         }
         _ => {}
