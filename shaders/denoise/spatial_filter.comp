@@ -58,6 +58,8 @@ void main() {
         float light = luminance(middle.rgb);
         vec4 sum = vec4(middle.rgb, 1.0);
         float footprint = centre.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y) * float(push.pixels * push.step);
+        // What may be black by chance stays black: irradiance_upsampling.comp fills it.
+        float other_surface = may_be_black_by_chance(middle) ? 0.0 : OTHER_SURFACE;
         float sum_of_variances = variance;
         for (int i = 0; i < 9; i++) {
             ivec2 offset = ivec2(i % 3, i / 3) - 1;
@@ -76,7 +78,7 @@ void main() {
             // Of both texels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
             float tolerance = LUMINANCE_TOLERANCE * 0.5 * (deviation + sqrt(tap_variance));
             float likeness = exp(-abs(luminance(tap.rgb) - light) / tolerance);
-            float surfaces = same ? 1.0 : known ? OTHER_SURFACE * neighbour_weight(cosine, d / footprint) : 0.0;
+            float surfaces = same ? 1.0 : known ? other_surface * neighbour_weight(cosine, d / footprint) : 0.0;
             float weight = weight_at(offset.x) * weight_at(offset.y) * likeness * surfaces;
             sum += weight * vec4(tap.rgb, 1.0);
             sum_of_variances += weight * weight * tap_variance;

@@ -63,11 +63,6 @@ bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
     return weights > 0.0;
 }
 
-// So few sets may be alike by chance, all black as well as all bright.
-const float FEW_SETS = 3.0;
-
-bool may_be_black_by_chance(vec4 irradiance) { return irradiance.a <= FEW_SETS && irradiance.rgb == vec3(0.0); }
-
 // The light around a pixel, of all surfaces: a weighted sum, and its weights.
 vec4 around(ivec2 pixel, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
@@ -97,7 +92,7 @@ void main() {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
     }
-    bool is_uncertain = surface.depth > 0.0 && (!is_upsampled || may_be_black_by_chance(sum));
+    bool is_uncertain = surface.depth > 0.0 && (may_be_black_by_chance(sum) || !(is_upsampled || fills));
     if (is_uncertain && sets.set_step == 2u && sets.holes != 1u) {
         vec4 neighbours = around(pixel, surface);
         float few = FEW_SETS / max(sum.a, 1.0);
