@@ -91,6 +91,8 @@ def motion(study):
                                                     for frame in FRAMES),
                         "ms": statistics.median(frame["total_ms"] for frame in timed),
                         "rays": statistics.fmean(frame["shadow_rays"] for frame in timed) / math.prod(report["settings"]["size"])}
+        another = reference(study, scene, MIDDLE, seed=1)[0]
+        row["noise"] = study.run("compare", another, references[MIDDLE], "--layer", "indirect")["flip"]
         row["reference"] = same_time(study, scene, row["default"]["ms"], references, stops)
         study.keep("motion", {"size": SIZE, "spp": study.options.spp // 4, "commit": report["commit"],
                               "options": " ".join(map(str, WAYS["16x"])), "rows": rows})

@@ -67,6 +67,7 @@ The camera turns by 30 degrees a second; in the playroom lamps and objects move.
 - **mottling**: error of display luminance (exposure as in SSIM, sRGB) at periods of 8 to 64 pixels, root mean square, in steps of 8 bits.
 - **flicker**: mean absolute change of the irradiance from frame to frame at the same surface points, over its mean.
 - **rays**: rays a pixel of a frame, mean over frames 32 to 96.
+- **noise**: HDR-FLIP of two of the path tracer's frames with different seeds: what 256 samples leave, which every cell before it holds in part.
 - **path tracer**: HDR-FLIP and mottling of as many of its samples a pixel as take the time of a frame on the same cores, at least one.
 """
 
@@ -171,9 +172,9 @@ def motion(figures, docs):
     rows = []
     for scene, row in figures["rows"].items():
         traced = row["reference"]
-        rows.append([scene, *(cells(row, key, form) for _, key, form in MOTION),
+        rows.append([scene, *(cells(row, key, form) for _, key, form in MOTION), f"{row['noise']:.3f}" if "noise" in row else "",
                      f"{traced['flip']:.3f}, {traced['mottling']:.1f} ({traced['samples']})"])
-    part = IN_MOTION.format(**figures, table=table(["scene", *(head for head, _, _ in MOTION), "path tracer (samples)"], rows))
+    part = IN_MOTION.format(**figures, table=table(["scene", *(head for head, _, _ in MOTION), "noise", "path tracer (samples)"], rows))
     shown = [f"![{file.stem}: default, 16 times the samples, path tracer](quality/{file.name})"
              for file in sorted((docs / "quality").glob("*.gif"))]
     return part + ("\n" + ANIMATIONS.format(pictures="\n\n".join(shown)) if shown else "")
