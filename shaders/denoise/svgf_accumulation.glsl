@@ -23,7 +23,7 @@ layout(push_constant) uniform Push {
     uint clips;                // of the same; 1: history moves towards the middle of the box
     uint has_history;
     uint compress;             // 1: the signal is accumulated in compressed form
-    float widest;              // pixels that the filter reaches; 0: blur is of use everywhere
+    uint adaptive;             // 1: `noisy` says how wide a blur is of use
 } push;
 
 struct History {
@@ -60,12 +60,12 @@ History history_at(ivec2 pixel) {
 // Share of the new frame in a signal that no blur may touch, where history is interpolated halfway between texels: each such frame
 // blurs it anew.
 const float SHARP_ALPHA = 0.5;
-// Pixels of blur from which on that of interpolation does not matter.
-const float SOFT_RADIUS = 8.0;
+// How wide a blur is of use, as in `noisy`, where that of interpolation does not matter any more.
+const float SOFT = 0.25;
 
 // The least share of the new frame, by how sharp the signal is and how far from texels its history is read.
 float sharp_alpha(ivec2 pixel) {
-    float sharpness = max(1.0 - filter_radius(imageLoad(noisy, pixel).a, push.widest) / SOFT_RADIUS, 0.0);
+    float sharpness = push.adaptive == 1u ? max(1.0 - imageLoad(noisy, pixel).a / SOFT, 0.0) : 0.0;
     vec2 part = fract(imageLoad(reprojected, pixel).xy);
     vec2 blur = 4.0 * part * (1.0 - part);
     return SHARP_ALPHA * sharpness * max(blur.x, blur.y);

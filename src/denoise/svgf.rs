@@ -86,7 +86,7 @@ struct TemporalPush {
     clips: u32,
     has_history: u32,
     compress: u32,
-    widest: f32,
+    adaptive: u32,
 }
 
 impl TemporalPush {
@@ -101,6 +101,7 @@ impl TemporalPush {
             brightest: settings.firefly,
             clamp_deviations: settings.clamp_deviations,
             clips: u32::from(settings.history_clamp == HistoryClamp::Clip),
+            adaptive: u32::from(settings.adaptive),
             ..Self::zeroed()
         }
     }
@@ -190,7 +191,6 @@ impl Svgf {
         let push = TemporalPush {
             has_history: u32::from(self.history.is_valid()),
             compress: u32::from(self.is_compressed),
-            widest: self.widest,
             ..TemporalPush::new(&self.settings, inputs.camera_moves)
         };
         frame

@@ -130,7 +130,11 @@ pub fn temporal(
         }
     }
     let frames = (length + 1.0f32).min(settings.longest_history as f32);
-    let alpha = settings.alpha.max(1.0 / frames);
+    // Where history is read between texels, what is sharp takes little of it.
+    let part = Vec2::from_slice(&pixels[pixel].reprojected).map(|motion| motion - motion.floor());
+    let blur = (4.0 * part * (1.0 - part)).max_element();
+    let sharpness = if settings.adaptive { (1.0 - pixels[pixel].noisy[3] / 0.25).max(0.0) } else { 0.0 };
+    let alpha = settings.alpha.max(0.5 * sharpness * blur).max(1.0 / frames);
     let moments_alpha = settings.moments_alpha.max(1.0 / frames);
     // By the second moment, as the paper has it.
     let [mean, variance, now_luminance, share] =
