@@ -56,6 +56,13 @@ fn deviation_of_change(shares: [f64; 2]) -> f32 {
     (0..2000).map(square).sum::<f64>().sqrt() as f32
 }
 
+/// Where history is read between texels, what is sharp takes little of it.
+fn sharp_alpha(settings: &SvgfSettings, pixel: &Pixel) -> f32 {
+    let part = Vec2::from_slice(&pixel.reprojected).map(|motion| motion - motion.floor());
+    let sharpness = if settings.adaptive { (1.0 - pixel.noisy[3] / 0.25).max(0.0) } else { 0.0 };
+    0.5 * sharpness * (4.0 * part * (1.0 - part)).max_element()
+}
+
 /// Light with its standard deviation, and moments.
 pub fn temporal(
     settings: &SvgfSettings,
@@ -130,11 +137,7 @@ pub fn temporal(
         }
     }
     let frames = (length + 1.0f32).min(settings.longest_history as f32);
-    // Where history is read between texels, what is sharp takes little of it.
-    let part = Vec2::from_slice(&pixels[pixel].reprojected).map(|motion| motion - motion.floor());
-    let blur = (4.0 * part * (1.0 - part)).max_element();
-    let sharpness = if settings.adaptive { (1.0 - pixels[pixel].noisy[3] / 0.25).max(0.0) } else { 0.0 };
-    let alpha = settings.alpha.max(0.5 * sharpness * blur).max(1.0 / frames);
+    let alpha = settings.alpha.max(sharp_alpha(settings, &pixels[pixel])).max(1.0 / frames);
     let moments_alpha = settings.moments_alpha.max(1.0 / frames);
     // By the second moment, as the paper has it.
     let [mean, variance, now_luminance, share] =
