@@ -28,7 +28,7 @@ layout(push_constant) uniform Push {
 // Standard deviations by which luminances on one surface may differ.
 const float LUMINANCE_TOLERANCE = 3.0;
 
-// Weight of taps on other surfaces: a chair leg has none on its own.
+// Most that a tap on another surface weighs. A surface one texel wide has no others.
 const float OTHER_SURFACE = 0.5;
 
 float weight_at(int place) { return place == 0 ? 1.0 : 0.5; }
@@ -57,7 +57,7 @@ void main() {
     if (deviation > 0.0) {
         float light = luminance(middle.rgb);
         vec4 sum = vec4(middle.rgb, 1.0);
-        float footprint = centre.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y) * float(push.pixels * push.step);
+        float footprint = centre.depth * pixel_footprint() * float(push.pixels * push.step);
         // What may be black by chance stays black: irradiance_upsampling.comp fills it.
         float other_surface = may_be_black_by_chance(middle) ? 0.0 : OTHER_SURFACE;
         float sum_of_variances = variance;

@@ -13,8 +13,7 @@ bool inside(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(
 
 // How far off the surface of the centre another pixel's is: in footprints of a pixel from the plane through `centre`.
 float plane_distance(vec3 centre, vec3 geometric, float depth, ivec2 pixel, float other_depth) {
-    float footprint = depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
-    return abs(dot(geometric, position_at(pixel, other_depth) - centre)) / footprint;
+    return abs(dot(geometric, position_at(pixel, other_depth) - centre)) / (depth * pixel_footprint());
 }
 
 float normal_weight(vec3 a, vec3 b, float exponent) { return pow(max(dot(a, b), 0.0), exponent); }

@@ -57,13 +57,13 @@ History history_at(ivec2 pixel) {
     return History(sum.light / weights, vec4(mean.x, sqrt(mean.y), mean.zw));
 }
 
-// Share of the new frame in a signal that no blur may touch, where history is interpolated halfway between texels: each such frame
-// blurs it anew.
+// Least share of the new frame in a sharp signal whose history is interpolated halfway between texels: bilinear interpolation blurs
+// history anew in each frame of motion.
 const float SHARP_ALPHA = 0.5;
-// How wide a blur is of use, as in `noisy`, where that of interpolation does not matter any more.
+// Width of the useful blur, as in the alpha of `noisy`, from which on that of interpolation does not matter.
 const float SOFT = 0.25;
 
-// The least share of the new frame, by how sharp the signal is and how far from texels its history is read.
+// The least share of the new frame, by how sharp the signal is and how far from texel centres its history is read.
 float sharp_alpha(ivec2 pixel) {
     float sharpness = push.adaptive == 1u ? max(1.0 - imageLoad(noisy, pixel).a / SOFT, 0.0) : 0.0;
     vec2 part = fract(imageLoad(reprojected, pixel).xy);

@@ -34,6 +34,9 @@ vec3 pixel_ray(vec2 pixel) {
 // World position of what a pixel sees at a view depth.
 vec3 position_at(ivec2 pixel, float depth) { return frame.eye.xyz + depth * pixel_ray(vec2(pixel)); }
 
+// Side of a pixel's footprint at a view depth of 1, on a surface that faces the eye.
+float pixel_footprint() { return length(frame.ray_y.xyz) * 2.0 / float(frame.size.y); }
+
 // How far ray ends are moved off their surfaces at world position p: far beyond the rounding of
 // positions, far below anything that can be seen. Twin: `ray_offset` in src/scene/world_surface.rs.
 float ray_offset(vec3 p) {

@@ -36,8 +36,7 @@ ExpectedSurface expected_at(Surface now, uint index) {
     // Motion is rigid, so normals turn as vectors do.
     vec3 local = transform_vector(instance.world_to_object, now.shading);
     vec3 normal = normalize(transform_vector(instance.previous_object_to_world, local));
-    float pixel = length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
-    float tolerance = clip.w * depth_tolerance(ROUNDING, now.geometric, now.position, pixel);
+    float tolerance = clip.w * depth_tolerance(ROUNDING, now.geometric, now.position, pixel_footprint());
     return ExpectedSurface(VisibleSurface(clip.w, normal, (index + 1u) & 4095u), tolerance);
 }
 

@@ -63,10 +63,10 @@ bool upsampled(ivec2 pixel, Surface surface, out vec4 result) {
     return weights > 0.0;
 }
 
-// The light around a pixel, of all surfaces: a weighted sum, and its weights.
+// Irradiance of the surfaces around a pixel: a weighted sum; a: its weights.
 vec4 around(ivec2 pixel, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
-    float footprint = surface.depth * length(frame.ray_y.xyz) * 2.0 / float(frame.size.y);
+    float footprint = surface.depth * pixel_footprint();
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 16; i++) {
         ivec2 texel = clamp(pixel / 2 + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
