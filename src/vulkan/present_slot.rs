@@ -128,7 +128,11 @@ impl Slot {
             self.clear(image.raw);
             self.barrier(image.raw, written, written);
         }
-        for pane in panes {
+        for (index, pane) in panes.iter().enumerate() {
+            if index > 0 {
+                // Panes of pictures of different sizes overlap: see `spans`.
+                self.barrier(image.raw, written, written);
+            }
             self.copy(pane, image.raw, viewport);
         }
         self.barrier(image.raw, written, target);
@@ -171,10 +175,8 @@ impl Slot {
             base_array_layer: 0,
             layer_count: 1,
         };
-        // Whole columns of the picture, and those of the viewport that show them.
         let size = picture.extent();
-        let columns = pane.columns.map(|share| (share * size[0] as f32).round());
-        let shown = columns.map(|column| (column / size[0] as f32 * viewport.size[0] as f32).round());
+        let [columns, shown] = spans(pane.columns, size[0], viewport.size[0]);
         if columns[0] >= columns[1] || shown[0] >= shown[1] || viewport.size[1] == 0 {
             return;
         }
@@ -249,6 +251,14 @@ impl Slot {
     }
 }
 
+/// The columns of a picture of `width` columns in the range `shares` of its width, 0 to 1, and those of a viewport of
+/// `viewport` columns that show them. Blits copy whole columns: the range is rounded outwards, so that adjacent panes
+/// leave no column out.
+fn spans(shares: [f32; 2], width: u32, viewport: u32) -> [[f32; 2]; 2] {
+    let columns = [(shares[0] * width as f32).floor(), (shares[1] * width as f32).ceil()];
+    [columns, columns.map(|column| (column / width as f32 * viewport as f32).round())]
+}
+
 /// Stage, access and layout of a use.
 type Usage = (vk::PipelineStageFlags2, vk::AccessFlags2, vk::ImageLayout);
 
@@ -261,6 +271,26 @@ impl Drop for Slot {
             raw.destroy_semaphore(self.acquired, None);
             raw.destroy_fence(self.fence, None);
             raw.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panes_of_different_pictures_cover_the_viewport() {
+        for (left, right, viewport) in [(640, 640, 640), (320, 640, 640), (411, 97, 640), (1280, 333, 901)] {
+            for divider in (0..=1000).map(|step| step as f32 / 1000.0) {
+                let [columns, before] = spans([0.0, divider], left, viewport);
+                let [_, after] = spans([divider, 1.0], right, viewport);
+                assert!(columns[1] <= left as f32, "{columns:?} of {left}");
+                assert!(before[1] >= after[0], "{divider}: a gap from {} to {}", before[1], after[0]);
+                let overlap = viewport as f32 * (1.0 / left as f32 + 1.0 / right as f32);
+                assert!(before[1] - after[0] <= overlap + 1.0, "{divider}: {before:?} and {after:?}");
+                assert_eq!([before[0], after[1]], [0.0, viewport as f32]);
+            }
         }
     }
 }
