@@ -107,6 +107,7 @@ def methods(study):
         seen = None
         for name, options in METHODS.items():
             pictures, report = study.frames(file, SIZE, FRAMES - 1, *MOVES, *options)
+            row["commit"] = report["commit"]
             compared = {frame: error(study, pictures[frame], references[frame], stops) for frame in COMPARED}
             seen = seen or study_pictures.frames_seen(pictures)
             row[name] = {
@@ -119,7 +120,7 @@ def methods(study):
                 "rays": statistics.fmean(frame.get("shadow_rays", frame.get("rays", 0)) for frame in report["frames"][8:]) / math.prod(report["settings"]["size"]),
                 **stage_ms(report)}
             study.keep("methods", {"size": SIZE, "bounces": BOUNCES, "device": report["device"],
-                                   "driver": report["driver"], "commit": report["commit"], "rows": rows})
+                                   "driver": report["driver"], "rows": rows})
             print(scene, name, json.dumps({key: value for key, value in row[name].items() if key not in ["passes", "by_frames_seen"]}), flush=True)
 
 

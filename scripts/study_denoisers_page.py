@@ -39,8 +39,8 @@ it is apart (`--direct soft`). A CPU's ratios are no GPU's: rays cost it more th
 
 MOTION = """## In motion
 
-Means over every sixth of 60 frames against the path tracer's of the same moments, {spp} samples a pixel, all over it
-(commit {commit}); its own noise counts as error. RMSE and SSIM are of display luminance (`glowworm compare --luminance`), at an exposure that brings 95 % of the pixels below
+Means over every sixth of 60 frames against the path tracer's of the same moments, all over a pixel, of so many samples and by
+these commits: {spp}; its own noise counts as error. RMSE and SSIM are of display luminance (`glowworm compare --luminance`), at an exposure that brings 95 % of the pixels below
 0.8.
 
 {tables}
@@ -138,7 +138,7 @@ def motion(figures):
         rows = [[name, *(format(row[name][key], form) for _, key, form in ROWS)] for name in METHODS if name in row]
         tables.append(f"**{scene}**\n\n" + table(["method", *(name for name, _, _ in ROWS)], rows))
     ages = [f"**{scene}**\n\n" + ages_of(row) for scene, row in figures["rows"].items()]
-    spp = ", ".join(f"{row['spp']} ({scene})" for scene, row in figures["rows"].items())
+    spp = "; ".join(f"{scene} {row['spp']}, {row['commit']}" for scene, row in figures["rows"].items())
     return MOTION.format(spp=spp, tables="\n\n".join(tables), ages="\n\n".join(ages), **figures)
 
 
