@@ -39,8 +39,8 @@ it is apart (`--direct soft`). A CPU's ratios are no GPU's: rays cost it more th
 
 MOTION = """## In motion
 
-Means over every sixth of 60 frames against the path tracer's of the same moments, all over a pixel, of so many samples and by
-these commits: {spp}; its own noise counts as error. RMSE and SSIM are of display luminance (`glowworm compare --luminance`), at an exposure that brings 95 % of the pixels below
+Means over every sixth of 60 frames against the path tracer's of the same moments through a box filter, whose own noise counts as error. Samples a
+pixel of the reference and commit: {spp}. RMSE and SSIM are of display luminance (`glowworm compare --luminance`), at an exposure that brings 95 % of the pixels below
 0.8.
 
 {tables}
