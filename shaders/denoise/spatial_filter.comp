@@ -25,8 +25,8 @@ layout(push_constant) uniform Push {
     int pixels; // from one texel to the next
 } push;
 
-// Standard deviations by which luminances on one surface may differ: sigma_l of Schied et al. 2017.
-const float LUMINANCE_TOLERANCE = 4.0;
+// Standard deviations by which luminances on one surface may differ.
+const float LUMINANCE_TOLERANCE = 3.0;
 
 // Most that a tap on another surface weighs. A surface one texel wide has no others.
 const float OTHER_SURFACE = 0.5;

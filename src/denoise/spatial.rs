@@ -9,8 +9,8 @@ use crate::denoiser_pass;
 use crate::passes::storage_image;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// Texels between the taps, level by level: five levels as in Schied et al. 2017. An odd number ends in the filter's own image.
-const STEPS: [i32; 5] = [1, 2, 4, 8, 16];
+/// Texels between the taps, level by level. An odd number of levels ends in the filter's own image.
+const STEPS: [i32; 3] = [1, 2, 4];
 
 /// Only estimators know the variance of their signal.
 pub(super) const PASS: DenoiserPass =
