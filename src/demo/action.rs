@@ -208,7 +208,9 @@ pub(super) const BINDINGS: &[Binding] = &[
     bind("T", "handles to move, rotate or scale: the next kind", KeyCode::KeyT, NONE, || {
         Action::Handles(None)
     }),
-    bind("Esc", "clear the selection", KeyCode::Escape, NONE, || Action::Select(None)),
+    bind("Esc", "clear the selection; end the tour or a measurement", KeyCode::Escape, NONE, || {
+        Action::Select(None)
+    }),
     bind("H", "attach the selected light to the camera", KeyCode::KeyH, NONE, || Action::ToggleHeadlamp),
     bind("Ctrl+D", "duplicate the selected light or object", KeyCode::KeyD, CONTROL, || Action::Duplicate),
     bind("Del", "delete the selected light or object", KeyCode::Delete, NONE, || Action::Delete),

@@ -32,6 +32,7 @@ use super::session::Session;
 use super::split::{RightSide, Split};
 use super::tour::Tour;
 use super::undo::Press;
+use super::viewport::Standing;
 use super::{DemoError, Launch};
 use crate::settings::Settings;
 use crate::vulkan::{Instance, Viewport};
@@ -88,6 +89,7 @@ pub(super) struct Open {
     pub last_viewport: Viewport,
     /// Time of the last change of the viewport or the resolution.
     pub resized: Option<Instant>,
+    pub standing: Option<Standing>,
     pub hidden: bool,
     /// Whether there was input since the last frame.
     pub woken: bool,
@@ -163,6 +165,7 @@ impl App {
             resolution,
             last_viewport: Viewport::default(),
             resized: None,
+            standing: None,
             hidden: false,
             woken: false,
             kept: None,
@@ -232,6 +235,8 @@ pub(super) fn slow_click_context() -> egui::Context {
     let context = egui::Context::default();
     context.options_mut(|options| options.input_options.max_click_duration = 5.0);
     context.all_styles_mut(|style| {
+        // Bars that are seen tell that there is more.
+        style.spacing.scroll = egui::style::ScrollStyle::thin();
         style.text_styles.insert(egui::TextStyle::Small, egui::FontId::proportional(12.0));
     });
     context

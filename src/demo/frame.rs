@@ -43,9 +43,7 @@ impl App {
         let (primitives, pixels_per_point) = open.run_panel(&self.launch);
         let ui_cpu_ms = started.elapsed().as_secs_f64() * 1e3;
         let asked = open.panel.pending.clone();
-        for action in std::mem::take(&mut open.actions) {
-            self.perform(action)?;
-        }
+        self.perform_all()?;
         let Some(open) = &mut self.open else { return Ok(()) };
         open.press.end_frame();
         open.name_window();
@@ -73,6 +71,9 @@ impl App {
         };
         open.window.pre_present_notify();
         let presented = open.gpu.presenter.present(&panes, open.viewport(), &drawing)?;
+        if let Some(preparation) = &mut open.panel.preparation {
+            preparation.is_announced = true;
+        }
         if presented == Presented::Skipped {
             open.textures.append(drawing.textures);
             return Ok(());

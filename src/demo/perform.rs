@@ -12,13 +12,38 @@ use super::recorder::Recording;
 use super::resolution::COARSEST;
 use super::screenshot::{self, SavedScene, Saving};
 use super::session::{Change, Saved, Selected, Session, carry};
+use super::split::{Right, RightSide, Split};
 use super::transform::{moved_instance, moved_light};
 use super::undo::State;
 use crate::formats::{InstanceEntry, LightEntry, SceneError};
 use crate::output::automatic_exposure;
-use crate::settings::Settings;
+use crate::settings::{self, Settings};
+
+/// Settings that choose shaders.
+const METHODS: [&str; 5] = ["indirect", "direct", "reflections", "antialiasing", "denoise"];
+
+/// What takes so long that a frame says so first.
+pub(super) struct Preparation {
+    pub what: String,
+    /// Whether that frame was presented.
+    pub is_announced: bool,
+}
 
 impl App {
+    /// Executes the actions in their order. One that must be announced waits with all after it.
+    pub(super) fn perform_all(&mut self) -> Result<(), DemoError> {
+        let actions = self.open.as_mut().map_or_else(Vec::new, |open| std::mem::take(&mut open.actions));
+        for action in actions {
+            let Some(open) = &mut self.open else { return Ok(()) };
+            if open.must_wait(&action) {
+                open.actions.push(action);
+            } else {
+                self.perform(action)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Executes an action. Invalid input is reported in the panel; an error ends the program.
     pub(super) fn perform(&mut self, action: Action) -> Result<(), DemoError> {
         self.log.event("action", &action);
@@ -38,6 +63,7 @@ impl App {
             Action::Pause(paused) => open.clock.paused = paused,
             Action::ToggleTour => return open.toggle_tour(self.launch.contact_sheet.clone()),
             Action::Select(None) if open.tour.is_some() => return open.end_tour(),
+            Action::Select(None) if open.is_measuring() => open.comparison = None,
             Action::Select(None) if open.panel.error.is_some() => open.panel.error = None,
             Action::Scrub(time) => open.clock.time = time.max(0.0),
             Action::Home => open.flight.home(),
@@ -76,6 +102,7 @@ impl App {
                 }
             }
             Action::SetCoarseness(pixels) => {
+                open.resolution.hold();
                 open.resolution.automatic = pixels.is_none();
                 if let Some(pixels) = pixels {
                     open.resolution.coarseness = pixels.clamp(1, COARSEST);
@@ -106,6 +133,41 @@ impl App {
 }
 
 impl Open {
+    /// Whether an action must wait until the window has said what takes so long.
+    fn must_wait(&mut self, action: &Action) -> bool {
+        match &self.panel.preparation {
+            Some(preparation) if preparation.is_announced => {
+                self.panel.preparation = None;
+                false
+            }
+            Some(_) => true,
+            None => {
+                let what = self.what_takes_long(action);
+                self.panel.preparation = what.map(|what| Preparation { what, is_announced: false });
+                self.panel.preparation.is_some()
+            }
+        }
+    }
+
+    /// What an action compiles shaders for.
+    fn what_takes_long(&self, action: &Action) -> Option<String> {
+        let session = self.session.as_ref()?;
+        let is_divided = matches!(&self.split, Some(Split { right: Right::Renderer(_), .. }));
+        match action {
+            Action::ToggleSplit | Action::Split(Some(RightSide::Settings(_))) if !is_divided => {
+                Some("the right side".to_owned())
+            }
+            Action::Set(wanted) => {
+                let mut methods = METHODS.into_iter().filter_map(settings::find);
+                let other =
+                    methods.find(|setting| setting.value(wanted) != setting.value(&session.settings))?;
+                let method = other.value(wanted);
+                Some(format!("{} {}", other.key, method.as_str().unwrap_or_default()))
+            }
+            _ => None,
+        }
+    }
+
     /// Whether the scene has unsaved edits.
     pub(super) fn is_edited(&self) -> bool {
         self.session.as_ref().is_some_and(Session::is_edited)
@@ -304,7 +366,9 @@ impl Open {
         // What a method gains is to be seen in the rate, not in the number of pixels.
         let method = |of: &Settings| (of.indirect, of.vpl.temporal_sets);
         if self.resolution.automatic && method(settings) != method(&before.settings) {
-            self.resolution.automatic = false;
+            if self.resolution.hold() {
+                self.resized = Some(std::time::Instant::now());
+            }
             self.panel.message = "pixel size no longer follows the rate, so that rates compare".to_owned();
         }
         if let Some(session) = &mut self.session

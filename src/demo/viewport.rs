@@ -8,11 +8,22 @@ use super::action::Action;
 use super::app::Open;
 use super::recorder::Recording;
 use super::split::{Right, Split};
+use crate::scene::Pose;
 use crate::settings::Settings;
 use crate::vulkan::Viewport;
 
 /// Delay from the last change of the viewport to that of the picture, which is scaled meanwhile.
 const RESIZE_DELAY: Duration = Duration::from_millis(150);
+/// Time without motion after which a picture is at rest.
+const REST_DELAY: Duration = Duration::from_millis(500);
+/// Frames at rest by which its resolution is judged: later ones have a mean that is not to be lost.
+const JUDGED_AT_REST: u32 = 16;
+
+/// The pose that stands still, and since when.
+pub(super) struct Standing {
+    pose: Pose,
+    since: Instant,
+}
 
 impl Open {
     /// The part of the window that is left of the panel and below the bar, pixels.
@@ -53,26 +64,41 @@ impl Open {
         let is_frozen = self.session.as_ref().is_none_or(|session| session.renderer.is_frozen())
             && self.split.as_ref().is_none_or(Split::is_frozen);
         let waits = self.actions.is_empty() && self.saving.is_empty() && self.resized.is_none();
+        let waits = waits && !(self.follows_rate() && self.resolution.awaits_rest());
         is_frozen && waits && self.tour.is_none() && !self.egui.egui_ctx().has_requested_repaint()
     }
 
-    /// Gives the picture as many pixels as keep the target rate, or all of them where there is none. Not while something else
-    /// needs the machine, or a picture must keep its size.
-    pub fn follow_rate(&mut self) {
+    /// Whether the resolution is to be judged. Not while something else needs the machine, or a picture must keep its size.
+    fn follows_rate(&self) -> bool {
         let is_still = self.split.as_ref().is_some_and(|split| !matches!(split.right, Right::Renderer(_)));
         let is_busy = self.loader.progress().is_some() || self.resized.is_some() || self.is_measuring();
         let is_fixed = is_still || !matches!(self.recording, Recording::Off);
-        let session = self.session.as_ref().filter(|_| self.resolution.automatic && !is_busy && !is_fixed);
-        // Motion asks for a rate; what stands still, for every pixel.
-        let session = session.filter(|session| session.renderer.still_frames() == 0);
-        let Some(session) = session else {
+        self.resolution.automatic && !is_busy && !is_fixed
+    }
+
+    /// Gives the picture as many pixels as keep the target rate, or all of them where there is none; at rest, as many as it has time
+    /// for.
+    pub fn follow_rate(&mut self) {
+        let Some(session) = self.session.as_ref().filter(|_| self.follows_rate()) else {
             self.resolution.restart();
             return;
         };
-        let (aim, cost) = (self.aim_ms(session.settings.target_fps), session.report.figures.total_ms);
-        let changed = match aim {
-            Some(aim) => self.resolution.judge(self.clock.interval_ms(), cost, aim),
+        let standing = self.standing.take().filter(|standing| standing.pose == session.pose);
+        let standing =
+            standing.unwrap_or_else(|| Standing { pose: session.pose.clone(), since: Instant::now() });
+        let is_at_rest = standing.since.elapsed() > REST_DELAY;
+        self.standing = Some(standing);
+        let still = session.renderer.still_frames();
+        let (interval, cost) = (self.clock.interval_ms(), session.report.figures.total_ms);
+        let changed = match self.aim_ms(session.settings.target_fps) {
             None => std::mem::replace(&mut self.resolution.coarseness, 1) != 1,
+            Some(_) if is_at_rest && self.resolution.rest() => true,
+            Some(_) if !is_at_rest && self.resolution.move_on() => true,
+            Some(aim) if still <= JUDGED_AT_REST => self.resolution.judge(interval, cost, aim),
+            Some(_) => {
+                self.resolution.restart();
+                false
+            }
         };
         if changed {
             self.resized = Some(Instant::now());

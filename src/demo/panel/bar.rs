@@ -22,6 +22,8 @@ const QUALITIES: [(Preset, &str); 3] = [
 /// Size of a scene's picture in the menu, and width of the menu, points.
 const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
+/// Width of a setting's values in the bar, points.
+const AXIS: f32 = 160.0;
 /// Width of all that the bar holds, points.
 const FULL: f32 = 1275.0;
 /// Height of a row and of the margins, points.
@@ -126,11 +128,16 @@ fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut 
     place(ui, &mut state.places, "scenes", &menu.response);
 }
 
-/// A menu in the next row where this one has no room for it: it does not wrap by itself.
-fn menu(ui: &mut Ui, name: &str, chosen: &str, width: f32) -> ComboBox {
+/// Goes to the next row where this one has no room for what is so wide.
+fn keep_together(ui: &mut Ui, width: f32) {
     if ui.available_size_before_wrap().x < width {
         ui.end_row();
     }
+}
+
+/// A menu: it does not wrap by itself.
+fn menu(ui: &mut Ui, name: &str, chosen: &str, width: f32) -> ComboBox {
+    keep_together(ui, width);
     ComboBox::from_id_salt(name).selected_text(chosen).width(width)
 }
 
@@ -172,6 +179,7 @@ fn axes(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
     for axis in estimators::method(settings).axes {
         let (Some(short), Some(values)) = (axis.short, axis.default_sweep) else { continue };
         ui.separator();
+        keep_together(ui, AXIS);
         ui.label(short).on_hover_text(axis.label);
         for value in values.split(',').filter_map(|value| value.parse().ok()) {
             let mut chosen = settings.clone();

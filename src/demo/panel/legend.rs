@@ -1,4 +1,4 @@
-//! The legend: a line at the lower edge names what stands in place of the picture or over it.
+//! The legend: lines at the lower edge name what stands in place of the picture or over it.
 
 use egui::{Align2, Area, Color32, Frame, Id, RichText, Sense, Ui, vec2};
 
@@ -10,8 +10,10 @@ use crate::settings::Settings;
 
 pub(super) fn draw(ui: &Ui, view: &DebugView, settings: &Settings) {
     let buffer = views().find(|known| known.name == view.buffer && known.name != COMBINED);
-    let colours = vpls::legend_of_paths(view).or_else(|| vpls::legend_of_ages(view, &settings.vpl));
-    if buffer.is_none() && colours.is_none() {
+    let buffer = buffer.map(|buffer| format!("{}{}", buffer.label, vpls::hint(view)));
+    let colours = vpls::legends(view, &settings.vpl);
+    let isolated = vpls::isolated(view);
+    if buffer.is_none() && isolated.is_none() && colours.is_empty() {
         return;
     }
     let area = Area::new(Id::new("legend")).anchor(Align2::LEFT_BOTTOM, [4.0, -2.0]).interactable(false);
@@ -19,7 +21,7 @@ pub(super) fn draw(ui: &Ui, view: &DebugView, settings: &Settings) {
         // One line, however wide the last one was.
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         Frame::NONE.fill(Color32::from_black_alpha(190)).inner_margin(2.0).show(ui, |ui| {
-            if let Some((title, entries)) = colours {
+            for (title, entries) in colours {
                 ui.horizontal(|ui| {
                     ui.label(white(&title));
                     for (name, [r, g, b]) in entries {
@@ -30,8 +32,8 @@ pub(super) fn draw(ui: &Ui, view: &DebugView, settings: &Settings) {
                     }
                 });
             }
-            if let Some(buffer) = buffer {
-                ui.label(white(&format!("{}{}", buffer.label, vpls::hint(view))));
+            for line in [isolated, buffer].into_iter().flatten() {
+                ui.label(white(&line));
             }
         });
     });

@@ -34,6 +34,7 @@ use super::handles::{self, Mode};
 use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
+use super::perform::Preparation;
 use super::recorder::Recording;
 use super::resolution::Resolution;
 use super::session::{Selected, Session};
@@ -67,6 +68,8 @@ pub(super) struct PanelState {
     pub error: Option<String>,
     /// The last status message.
     pub message: String,
+    /// What the next frames wait for.
+    pub preparation: Option<Preparation>,
     /// The action that waits until edits are saved or discarded.
     pub pending: Option<Action>,
     pub scene: scene::SceneState,
@@ -160,6 +163,9 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &mut Shown<'_>) -
     state.scene.ask(ui.ctx(), &mut actions);
     if shown.session.is_none() {
         notices::loading(ui, viewport, shown.loader);
+    }
+    if let Some(preparation) = &state.preparation {
+        notices::preparing(ui, viewport, &preparation.what);
     }
     compare::draw(ui, state, shown, &mut actions);
     if state.hidden {

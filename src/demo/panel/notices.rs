@@ -40,6 +40,14 @@ pub(super) fn error(ui: &Ui, state: &mut PanelState) {
     }
 }
 
+/// What the next frames wait for, in the middle.
+pub(super) fn preparing(ui: &Ui, viewport: Rect, what: &str) {
+    let area = Area::new(Id::new("preparing")).fixed_pos(viewport.center()).pivot(Align2::CENTER_CENTER);
+    area.interactable(false).show(ui.ctx(), |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| ui.label(format!("preparing {what} …")));
+    });
+}
+
 /// The first scene's progress, in the middle.
 pub(super) fn loading(ui: &Ui, viewport: Rect, loader: &Loader) {
     let Some((name, step, elapsed)) = loader.progress() else { return };

@@ -234,7 +234,7 @@ pub(super) fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32
     let Some(value) = value else { return };
     let now = Vec3::from_array(*value);
     let mut strength = now.max_element();
-    let mut colour = (now / strength.max(1e-9)).to_array();
+    let mut colour = coloured(now, 1.0).unwrap_or(Vec3::ONE).to_array();
     ui.horizontal(|ui| {
         let picked = ui.color_edit_button_rgb(&mut colour).changed();
         let speed = 0.02 * strength.max(0.05);
@@ -242,12 +242,15 @@ pub(super) fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32
         let dragged = ui.add(drag.suffix(format!(" {unit}"))).changed();
         ui.label(name);
         if picked || dragged {
-            let hue = Vec3::from_array(colour);
-            // Black has no hue to scale.
-            let hue = if hue == Vec3::ZERO { Vec3::splat(1e-3) } else { hue };
-            *value = (hue / hue.max_element().max(if picked { 1.0 } else { 0.0 }) * strength).to_array();
+            *value = coloured(Vec3::from_array(colour), strength).unwrap_or(now).to_array();
         }
     });
+}
+
+/// The colour whose largest channel is `strength`: how dark it was picked is not its strength. None for black, which has no hue.
+fn coloured(picked: Vec3, strength: f32) -> Option<Vec3> {
+    let most = picked.max_element();
+    (most > 0.0).then(|| picked / most * strength)
 }
 
 fn cone(ui: &mut Ui, light: &mut LightEntry) {
@@ -293,4 +296,20 @@ fn spin(ui: &mut Ui, animation: &mut Option<AnimationEntry>) {
             *animation = Some(all).filter(|all| !all.keyframes.is_empty() || all.rotation.is_some());
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_colour_that_is_picked_again_and_again_stays() {
+        let dark = Vec3::new(0.4, 0.2, 0.1);
+        let once = coloured(dark, 8.0).expect("it has a hue");
+        assert_eq!(once, Vec3::new(8.0, 4.0, 2.0));
+        // The picker held at 85 % of the brightest.
+        let again = coloured(0.85 * once / once.max_element(), once.max_element());
+        assert!(again.is_some_and(|again| again.abs_diff_eq(once, 1e-5)), "{again:?}");
+        assert_eq!(coloured(Vec3::ZERO, 8.0), None);
+    }
 }

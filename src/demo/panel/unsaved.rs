@@ -15,9 +15,7 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
     let modal = Modal::new(Id::new("unsaved")).show(ui.ctx(), |ui| {
         ui.set_max_width(320.0);
         ui.heading("Unsaved changes");
-        ui.label(format!(
-            "{what} discards the changes of this scene. The same key or button again does so, too."
-        ));
+        ui.label(format!("{what} discards the changes of this scene."));
         ui.add_space(6.0);
         ui.horizontal(|ui| {
             let buttons = ["Save …", "Discard", "Cancel"].map(|name| (name, ui.button(name)));

@@ -1,6 +1,6 @@
 //! VPLs in the panel: options of their views, the legend of their paths, those that light a point.
 
-use egui::{Align2, Color32, ComboBox, DragValue, Grid, Rect, RichText, Slider, Ui, Window};
+use egui::{Align2, ComboBox, DragValue, Grid, Rect, Slider, Ui, Window};
 
 use super::Shown;
 use crate::demo::action::Action;
@@ -47,18 +47,28 @@ pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session,
 /// A title, and what each colour means.
 type Legend = (String, Vec<(String, [f32; 3])>);
 
-/// How paths are coloured, if they are shown.
-pub(super) fn legend_of_paths(view: &DebugView) -> Option<Legend> {
-    let style = view.options::<VplDebugView>().vpl_paths?;
-    let entries = path_legend(style).into_iter().map(|(name, colour)| (name.to_owned(), colour));
-    Some((format!("paths by {}:", style.label().to_lowercase()), entries.collect()))
+/// What the colours of a view mean: of paths, and of how many frames old the light is.
+pub(super) fn legends(view: &DebugView, settings: &VplSettings) -> Vec<Legend> {
+    let mut legends = Vec::new();
+    if view.buffer == STALENESS {
+        let age = |third| format!("{:.0}", f64::from(settings.temporal_sets * third) / 3.0);
+        let entries = (0..).zip(SHARE_COLOURS).map(|(third, colour)| (age(third), colour));
+        legends.push(("frames old:".to_owned(), entries.collect()));
+    }
+    if let Some(style) = view.options::<VplDebugView>().vpl_paths {
+        let entries = path_legend(style).into_iter().map(|(name, colour)| (name.to_owned(), colour));
+        legends.push((format!("paths by {}:", style.label().to_lowercase()), entries.collect()));
+        let reasons =
+            InvalidationReason::ALL.map(|reason| (reason.label().to_owned(), reason_colour(reason)));
+        legends.push(("flashing, since invalidated:".to_owned(), reasons.into()));
+    }
+    legends
 }
 
-/// How many frames old what each colour shows is, if the view tells that.
-pub(super) fn legend_of_ages(view: &DebugView, settings: &VplSettings) -> Option<Legend> {
-    let entry = |(third, colour)| (format!("{:.0}", f64::from(settings.temporal_sets * third) / 3.0), colour);
-    let entries = (0..).zip(SHARE_COLOURS).map(entry).collect();
-    (view.buffer == STALENESS).then(|| ("frames old:".to_owned(), entries))
+/// Names the VPL that is shown alone.
+pub(super) fn isolated(view: &DebugView) -> Option<String> {
+    let slot = view.options::<VplDebugView>().single_vpl?;
+    Some(format!("VPL {slot} alone (. and , step, / shows all)"))
 }
 
 /// A hint after the name of a view that needs more.
@@ -99,13 +109,6 @@ fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Vec<Acti
         if ui.add(slider).on_hover_text("As many of all, evenly chosen").changed() {
             view.path_sample = (sample < most).then_some(sample);
         }
-        ui.horizontal_wrapped(|ui| {
-            ui.small("invalidated:");
-            for reason in InvalidationReason::ALL {
-                let [r, g, b] = reason_colour(reason).map(|channel| (channel * 255.0) as u8);
-                ui.label(RichText::new(reason.label()).small().color(Color32::from_rgb(r, g, b)));
-            }
-        });
     }
 }
 
