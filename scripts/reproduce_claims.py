@@ -175,6 +175,7 @@ CLAMPED = PLAIN.replace("clamp none", "clamp clamp")
 WIDENED = CLAMPED.replace("widened false", "widened true")
 SEPARABLE = WIDENED.replace("separable false", "separable true")
 REINHARD = SEPARABLE.replace("reinhard false", "reinhard true")
+IMAGE_BASED = f"{PLAIN} --second-reflections split-sum"
 ROUGH = "mirror:0.3:still"
 
 
@@ -233,14 +234,23 @@ def g_tests(lab):
 
 
 @claim("g-iterations", "G: no iteration of the blur in a mirror, and one up to roughness 0.05, are sharper than four", "figure 3.12",
-       "boxes above a mirror of roughness 0 and 0.05; rays at second hits, where the thesis has image-based light: SSIM")
+       "boxes and a wall of metal under the sky above a mirror of roughness 0 and 0.05, image-based light at second hits: SSIM")
 def g_iterations(lab):
     figures, better = {}, []
     for roughness, levels in [("0", 0), ("0.05", 1)]:
-        four, few = (reflected(lab, f"{PLAIN} --reflections-svgf-levels {count}", f"mirror:{roughness}:still") for count in [4, levels])
+        four, few = (reflected(lab, f"{IMAGE_BASED} --reflections-svgf-levels {count}", f"metals:{roughness}:still") for count in [4, levels])
         figures |= {f"roughness {roughness}, 4": four, f"{levels}" + " " * levels: few}
         better.append(mean(few) > mean(four) + 0.001)
     return Found(figures, *holds(all(better), "they are alike"))
+
+
+@claim("g-image-based", "G: image-based light at second hits is untrue, so it is off", "3.4",
+       "boxes and a wall of metal under the sky above a mirror of roughness 0, still, reflections alone: rays at second hits, and the split sum")
+def g_image_based(lab):
+    rays, sums = (lab.compared("metals:0:still", options, 16, bounces=1, layer="reflected") for options in [PLAIN, IMAGE_BASED])
+    ratios, found = [metric(of, "mean_ratio") for of in [rays, sums]], [metric(of, "ssim") for of in [rays, sums]]
+    return Found({"mean ratio by rays": ratios[0], "by the split sum": ratios[1], "SSIM by rays": found[0], "by the sum": found[1]},
+                 *holds(mean(found[1]) < mean(found[0]) - 0.001, "it is as good"))
 
 
 @claim("g-roughness", "G: SSIM is lowest in sharp mirrors and above 0.94 beyond (cubes, still)", "tables 5.3 to 5.8",

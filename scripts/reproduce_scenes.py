@@ -125,6 +125,12 @@ def text_of(name):
     if kind == "mirror":
         roughness, motion = parameters
         return MIRROR.replace("ROUGHNESS", roughness).replace("MOTION", strafe(motion)).replace("ANGLE", "2")
+    if kind == "metals":
+        # Boxes of metal and a wall of metal above it, under the sky.
+        text = text_of(":".join(["mirror", *parameters]))
+        for colour in ["[0.8, 0.2, 0.15]", "[0.15, 0.3, 0.8]", "[0.6, 0.7, 0.4]"]:
+            text = text.replace(f"albedo = {colour}", f"albedo = {colour}, roughness = 0.3, metallic = 1")
+        return text.replace("background = [0.02, 0.02, 0.03]", "[environment]\ncolour = [0.5, 0.7, 1.0]")
     if kind == "penumbra":
         # The boxes on a rough floor under a sun of some half angle.
         angle, motion = parameters

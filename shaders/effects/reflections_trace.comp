@@ -47,8 +47,15 @@ layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reproject
 layout(set = 0, binding = 38, rgba16f) uniform readonly image2D thin_mirrored;
 layout(set = 0, binding = 39, rgba16f) uniform readonly image2D thin_transmittance;
 
+// The environment by roughness: see split_sum.glsl.
+layout(set = 0, binding = 40) uniform texture2D prefiltered_environment;
+#define READS_PREFILTERED
+#include "split_sum.glsl"
+
 // Glossy surfaces that a path follows, at most.
 layout(constant_id = 2) const uint DEPTH = 2u;
+// 1: hits mirror the environment alone, by the split sum.
+layout(constant_id = 4) const uint SPLIT_SUM = 0u;
 
 // Twin: TracePush in src/effects/reflections.rs.
 layout(push_constant) uniform Push {
@@ -188,10 +195,15 @@ Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, uint first_light, 
         at.is_glossy = reflects(surface.bsdf);
         at.reflection = prepare_bsdf(surface.bsdf, surface.shading, -sampled.direction);
         at.diffuse = at.reflection.diffuse;
-        bool goes_on = at.is_glossy && depth + 1u < DEPTH && reflection_weight(surface.bsdf.roughness) > 0.5;
+        bool goes_on = SPLIT_SUM == 0u && at.is_glossy && depth + 1u < DEPTH && reflection_weight(surface.bsdf.roughness) > 0.5;
         // What the path goes on to see of area lights it counts there.
         at.gloss_of_areas = goes_on ? 0.0 : 1.0;
-        vec3 albedo = at.diffuse + (goes_on || !at.is_glossy ? vec3(0.0) : at.reflection.reflected);
+        vec3 albedo = at.diffuse;
+        if (SPLIT_SUM == 1u && at.is_glossy) {
+            if (push.has_environment == 1u) path.radiance += path.throughput * split_sum(at.reflection, surface.bsdf.roughness);
+        } else if (at.is_glossy && !goes_on) {
+            albedo += at.reflection.reflected;
+        }
         vec2 picks = noise(pixel, dimension + 1u);
         shade(path, surface, at, hit.instance, albedo, vec4(picks, noise(pixel, dimension + 2u)));
         if (!goes_on) break;

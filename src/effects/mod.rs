@@ -2,6 +2,7 @@
 
 pub mod reflections;
 pub mod soft_shadows;
+pub mod split_sum;
 
 use std::sync::Arc;
 

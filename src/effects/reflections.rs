@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::split_sum::SplitSum;
 use super::{DebugImages, make_denoiser};
 use crate::denoise::{Denoiser, DenoiserInputs, Use};
 use crate::gpu_scene::tracer::TracerVariant;
@@ -16,7 +17,7 @@ use crate::passes::history::History;
 use crate::passes::storage_image;
 use crate::passes::thin_surfaces::ThinSurfaceImages;
 use crate::scene::Scene;
-use crate::settings::{Noise, Reflections as Wanted, Settings};
+use crate::settings::{Noise, Reflections as Wanted, SecondReflections, Settings};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// Where rays give way to irradiance. Twin: `REFLECTION_BLEND` in shaders/include/reflection_weight.glsl.
@@ -47,6 +48,8 @@ struct TracePush {
 /// The effect: 132 bytes a pixel.
 pub struct Reflections {
     trace: ComputePipeline,
+    /// Of what hits mirror, if that is the environment alone.
+    split_sum: Option<SplitSum>,
     noisy: Image,
     hit_place: Image,
     hit_weight: Image,
@@ -90,7 +93,9 @@ impl Reflections {
         tracer: TracerVariant,
         settings: &Settings,
     ) -> Result<Self, VulkanError> {
-        let white = u32::from(settings.effects.noise == Noise::White);
+        let effects = &settings.effects;
+        let white = u32::from(effects.noise == Noise::White);
+        let sums = effects.second_reflections == SecondReflections::SplitSum;
         let shader = shaders::REFLECTIONS_TRACE_COMP;
         let image = |name, format| storage_image(device, name, format, settings.size);
         let halves = vk::Format::R16G16B16A16_SFLOAT;
@@ -99,8 +104,9 @@ impl Reflections {
                 device,
                 "reflections_trace",
                 shader,
-                &[white, settings.effects.reflection_depth, settings.effects.reprojection_tests()],
+                &[white, effects.reflection_depth, effects.reprojection_tests(), u32::from(sums)],
             )?,
+            split_sum: sums.then(|| SplitSum::new(device)).transpose()?,
             noisy: image("noisy reflection", halves)?,
             hit_place: image("hit_place", vk::Format::R32G32B32A32_UINT)?,
             hit_weight: image("hit_weight", halves)?,
@@ -159,10 +165,14 @@ impl Reflections {
         let has_environment = u32::from(inputs.pose.environment.is_some());
         let sees_screen = u32::from(sees_screen);
         let near = inputs.pose.camera.near;
+        if let Some(split_sum) = &mut self.split_sum {
+            split_sum.follow(frame, (inputs.uniforms, inputs.scene), inputs.pose.environment.as_ref())?;
+        }
         // Without thin surfaces an image of the same format is bound, and not read.
         let unread = &gbuffer.albedo;
         let [mirrored, transmittance] =
             thin_surfaces.map_or([unread, unread], |thin| [&thin.mirrored, &thin.transmittance]);
+        let prefiltered = self.split_sum.as_ref().map_or(unread, SplitSum::image);
         inputs
             .bind(frame.pass("reflections_trace", &self.trace))
             .read("gbuffer_albedo", &gbuffer.albedo)
@@ -172,6 +182,7 @@ impl Reflections {
             .read("reprojected", &inputs.reprojection.reprojected)
             .read("thin_mirrored", mirrored)
             .read("thin_transmittance", transmittance)
+            .read("prefiltered_environment", prefiltered)
             .write("reflection", &self.noisy)
             .write("hit_place", &self.hit_place)
             .write("hit_weight", &self.hit_weight)

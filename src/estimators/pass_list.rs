@@ -20,7 +20,10 @@ const DIRECT: [PassInfo; 3] = [
     PassInfo::new("thin_surfaces", [118, 183, 178]),
 ];
 /// The passes of noisy reflections, which are denoised next.
-const REFLECTIONS: [PassInfo; 1] = [PassInfo::new("reflections_trace", [120, 80, 170])];
+const REFLECTIONS: [PassInfo; 2] = [
+    PassInfo::new("environment_prefilter", [158, 154, 200]),
+    PassInfo::new("reflections_trace", [120, 80, 170]),
+];
 /// The passes that make the picture.
 const PICTURE: [PassInfo; 6] = [
     PassInfo::new("combine", [227, 119, 194]),

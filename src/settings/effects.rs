@@ -28,6 +28,17 @@ pub enum Noise {
 
 choices!(Noise);
 
+/// What glossy surfaces mirror that reflection rays hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SecondReflections {
+    /// Whatever further rays hit, up to --reflection-depth surfaces; then their mean irradiance.
+    Rays,
+    /// The environment alone, filtered ahead by roughness (split sum, Karis 2013): nothing is in its way, for comparison.
+    SplitSum,
+}
+
+choices!(SecondReflections);
+
 settings! {
     /// Settings of `--direct soft` and `--reflections rays`.
     struct EffectSettings: Copy, table "settings.effects", "Soft shadows and reflections (--direct soft, --reflections rays)";
@@ -41,6 +52,8 @@ settings! {
     /// Reflections of reflections: how many glossy surfaces a ray follows. More: mirrors in mirrors, at as many times more rays
     /// where there are any.
     "reflection_depth" reflection_depth: u32 = 2, whole("N", 1, 8);
+    /// What glossy surfaces mirror that reflection rays hit. The split sum saves the further rays.
+    "second_reflections" second_reflections: SecondReflections = SecondReflections::Rays, choice::<SecondReflections>();
     /// Roughness up to which surfaces mirror; rougher ones blend smoothly into their mean irradiance; auto: 1 with --indirect paths,
     /// else 0.6. More: truer rough surfaces, more rays.
     "reflection_roughness" reflection_roughness: Option<f32> = None, Kind::Auto(&ROUGHNESS);

@@ -23,7 +23,7 @@ mod vpls;
 
 pub use bmfr::BmfrSettings;
 pub use bmfr_features::BmfrFeatures;
-pub use effects::{Denoise, EffectSettings, Noise};
+pub use effects::{Denoise, EffectSettings, Noise, SecondReflections};
 pub use error::SettingsError;
 pub use indirect::Indirect;
 pub use options::{GivenDenoising, GivenSettings};

@@ -15,5 +15,6 @@ mod cells;
 mod hits;
 mod noise;
 mod one_view;
+mod split_sum;
 mod tracer;
 mod vulkan;

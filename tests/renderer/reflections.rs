@@ -8,8 +8,11 @@ use glowworm::metrics::{CompareOptions, Image, compare};
 use glowworm::output::Picture;
 use glowworm::renderer::Renderer;
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{Denoise, Direct, EffectSettings, Indirect, Reflections, Settings, SvgfSettings};
+use glowworm::settings::{
+    Denoise, Direct, EffectSettings, Indirect, Reflections, SecondReflections, Settings, SvgfSettings,
+};
 
+use super::environment::sky;
 use super::reference::reference;
 use super::support::{GpuFixture, channel, layer, luminance, mean, plain, scene};
 
@@ -241,6 +244,55 @@ fn a_mirror_in_a_mirror_takes_a_second_ray() {
     };
     let [one, two, three] = [1, 2, 3].map(of_depth);
     assert!(two > 1.1 * one && three >= two, "{one}, {two}, {three}");
+}
+
+#[test]
+fn the_split_sum_shows_the_environment_in_what_is_reflected() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    for roughness in [0.0, 0.3, 0.7] {
+        // A ball of metal behind the eye, in an upright mirror.
+        let scene = scene(&format!(
+            r#"
+[[models]]
+name = "mirror"
+primitive = "box"
+size = [1.6, 1.6, 0.2]
+material = {{ albedo = [1, 1, 1], roughness = 0, metallic = 1 }}
+[[models]]
+name = "ball"
+primitive = "sphere"
+size = [3, 3, 3]
+subdivisions = 5
+material = {{ albedo = [0.9, 0.7, 0.5], roughness = {roughness}, metallic = 1 }}
+[[instances]]
+model = "mirror"
+translation = [0, 0, -2.1]
+[[instances]]
+model = "ball"
+translation = [0, 0, 6]
+[camera]
+eye = [0, 0, 1.5]
+target = [0, 0, -2]
+vfov_deg = 40
+"#
+        ));
+        let scene = Scene { environment: Some(sky(0.4)), ..Scene::clone(&scene) };
+        let scene = Arc::new(scene);
+        let base = settings(Denoise::NONE);
+        let effects = EffectSettings { second_reflections: SecondReflections::SplitSum, ..base.effects };
+        let ours = gpu.mean_of_frames(&scene, &Settings { effects, ..base }, 16, seen);
+        // Nothing is in the way of the sky but the mirror, which is small.
+        let expected = expected(&scene, 512);
+        let disc = |at: &usize| {
+            let [x, y] = [at % 96, at / 96].map(|side| side as f32 + 0.5);
+            (x - 48.0).hypot(y - 32.0) < 10.0
+        };
+        let of =
+            |picture: &[[f32; 3]]| mean((0..picture.len()).filter(disc).map(|at| luminance(&picture[at])));
+        let ratio = of(&ours) / of(&expected);
+        eprintln!("roughness {roughness}: {ratio} of the reference's, SSIM {}", ssim(&ours, &expected));
+        assert!((ratio - 1.0).abs() < 0.1, "roughness {roughness}: {ratio}");
+    }
 }
 
 #[test]
