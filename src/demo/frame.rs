@@ -10,6 +10,7 @@ use super::flight::Flight;
 use super::history::Sample;
 use super::loader::Built;
 use super::panel::{self, Shown};
+use super::perform::Preparation;
 use super::recorder::Recorder;
 use super::recorder::Recording;
 use super::screenshot::Saving;
@@ -71,9 +72,8 @@ impl App {
         };
         open.window.pre_present_notify();
         let presented = open.gpu.presenter.present(&panes, open.viewport(), &drawing)?;
-        if let Some(preparation) = &mut open.panel.preparation {
-            preparation.is_announced = true;
-        }
+        open.panel.preparation.as_mut().map(Preparation::count_frame);
+        open.panel.preparation.take_if(|preparation| preparation.is_over());
         if presented == Presented::Skipped {
             open.textures.append(drawing.textures);
             return Ok(());

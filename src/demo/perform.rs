@@ -25,8 +25,30 @@ const METHODS: [&str; 5] = ["indirect", "direct", "reflections", "antialiasing",
 /// What takes so long that a frame says so first.
 pub(super) struct Preparation {
     pub what: String,
-    /// Whether that frame was presented.
-    pub is_announced: bool,
+    /// Frames that were presented meanwhile.
+    frames: u32,
+    has_begun: bool,
+}
+
+impl Preparation {
+    /// Frames after which it is seen: in the first one the area of the notice has no size yet.
+    const ANNOUNCED: u32 = 2;
+    /// Frames until its own are there: some drivers compile shaders when they first run.
+    const OVER: u32 = Self::ANNOUNCED + 4;
+
+    fn of(what: String) -> Self {
+        Self { what, frames: 0, has_begun: false }
+    }
+
+    /// Counts a frame that was presented.
+    pub fn count_frame(&mut self) {
+        self.frames += 1;
+    }
+
+    /// Whether nothing waits for it any more.
+    pub fn is_over(&self) -> bool {
+        self.frames >= Self::OVER
+    }
 }
 
 impl App {
@@ -135,16 +157,16 @@ impl App {
 impl Open {
     /// Whether an action must wait until the window has said what takes so long.
     fn must_wait(&mut self, action: &Action) -> bool {
-        match &self.panel.preparation {
-            Some(preparation) if preparation.is_announced => {
-                self.panel.preparation = None;
-                false
+        match &mut self.panel.preparation {
+            Some(preparation) if !preparation.has_begun => {
+                preparation.has_begun = preparation.frames >= Preparation::ANNOUNCED;
+                !preparation.has_begun
             }
-            Some(_) => true,
-            None => {
-                let what = self.what_takes_long(action);
-                self.panel.preparation = what.map(|what| Preparation { what, is_announced: false });
-                self.panel.preparation.is_some()
+            _ => {
+                let next = self.what_takes_long(action).map(Preparation::of);
+                let waits = next.is_some();
+                self.panel.preparation = next.or(self.panel.preparation.take());
+                waits
             }
         }
     }

@@ -12,7 +12,7 @@ const SLOW: f64 = 1.25;
 /// Share of the aim that more pixels must be expected to stay within.
 const HEADROOM: f64 = 0.8;
 /// Longest frame of a picture at rest, ms: it needs no rate, but the panel must still answer.
-const LONGEST_AT_REST: f64 = 250.0;
+const LONGEST_AT_REST: f64 = 500.0;
 /// The resolution is judged by the median over at least so many frames and so many ms.
 const JUDGED: (usize, f64) = (3, 1e3);
 
@@ -147,10 +147,10 @@ mod tests {
     #[test]
     fn a_picture_at_rest_gets_the_pixels_that_it_has_time_for() {
         let mut resolution = Resolution::full(true);
-        assert_eq!(judged(&mut resolution, 500.0), 3);
-        assert_eq!(judged(&mut resolution, 500.0), 3);
+        assert_eq!(judged(&mut resolution, 600.0), 3);
+        assert_eq!(judged(&mut resolution, 600.0), 3);
         assert!(resolution.awaits_rest() && resolution.rest());
-        assert_eq!(resolution.coarseness, 2, "all pixels would take 500 ms");
+        assert_eq!(resolution.coarseness, 2, "all pixels would take 600 ms");
         assert!(!resolution.rest() && !resolution.awaits_rest());
         assert_eq!(judged(&mut resolution, 100.0), 2, "the mean is not begun again");
         assert!(resolution.move_on() && !resolution.move_on());
@@ -161,7 +161,7 @@ mod tests {
     fn what_is_too_slow_at_rest_is_so_in_motion() {
         let mut resolution = Resolution::full(true);
         assert!(!resolution.rest(), "it has all pixels already");
-        assert_eq!(judged(&mut resolution, 2000.0), 3);
+        assert_eq!(judged(&mut resolution, 4000.0), 3);
         assert!(!resolution.move_on());
         assert_eq!(resolution.coarseness, 3);
     }
