@@ -88,13 +88,14 @@ impl Open {
             standing.unwrap_or_else(|| Standing { pose: session.pose.clone(), since: Instant::now() });
         let is_at_rest = standing.since.elapsed() > REST_DELAY;
         self.standing = Some(standing);
-        let still = session.renderer.still_frames();
+        let (still, is_frozen) = (session.renderer.still_frames(), session.renderer.is_frozen());
         let (interval, cost) = (self.clock.interval_ms(), session.report.figures.total_ms);
         let changed = match self.aim_ms(session.settings.target_fps) {
             None => std::mem::replace(&mut self.resolution.coarseness, 1) != 1,
             Some(_) if is_at_rest && self.resolution.rest() => true,
             Some(_) if !is_at_rest && self.resolution.move_on() => true,
-            Some(aim) if still <= JUDGED_AT_REST => self.resolution.judge(interval, cost, aim),
+            // Frames of a frozen picture cost nothing.
+            Some(aim) if still <= JUDGED_AT_REST && !is_frozen => self.resolution.judge(interval, cost, aim),
             Some(_) => {
                 self.resolution.restart();
                 false

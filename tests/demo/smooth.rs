@@ -23,6 +23,35 @@ fn frames_go_on_while_one_scrubs_picks_edits_and_loads() {
     }
 }
 
+#[test]
+fn a_picture_has_fewer_pixels_in_motion_and_all_of_them_at_rest() {
+    let _one = ONE_AT_A_TIME.lock();
+    let Some(server) = XServer::open() else { return };
+    // No device keeps this rate.
+    let fast = ["cornell-box", "--target-fps=1000", "--vpls=64", "--reflections=none", "--validate"];
+    let mut demo = Demo::start(&server, &fast);
+    let size_of = |event: &Value| {
+        let size = &event["details"]["set"]["size"];
+        [0, 1].map(|axis| size[axis].as_u64().unwrap_or(0))
+    };
+    let seen = demo.now();
+    demo.resize(480, 300);
+    demo.wait_after(seen, "the size", |event| event["event"] == "layout");
+    let [left, top, right, bottom] = demo.viewport().map(u64::from);
+    let all = [right - left, bottom - top];
+    let seen = demo.now();
+    demo.input(&["keydown", "d"]);
+    demo.wait_after(seen, "fewer pixels", |event| (1..all[0]).contains(&size_of(event)[0]));
+    let seen = demo.now();
+    demo.input(&["keyup", "d"]);
+    demo.wait_after(seen, "all pixels", |event| size_of(event) == all);
+    // It keeps them.
+    let seen = demo.now();
+    demo.settle();
+    assert!(demo.events()[seen..].iter().all(|event| size_of(event) == [0; 2]));
+    demo.close();
+}
+
 fn number(event: &Value) -> u64 {
     event["frame"].as_u64().unwrap()
 }
