@@ -31,6 +31,7 @@ class Lab:
         self.cache.mkdir(parents=True, exist_ok=True)
         self.build = hashlib.sha256(options.glowworm.read_bytes()).hexdigest()[:16]
         self.machine = {}
+        self.commit = ""
 
     def scene(self, name):
         """A built-in scene, or the file of one of reproduce_scenes."""
@@ -68,7 +69,8 @@ class Lab:
         key = ["render", text, *arguments]
         out = self.picture(key)
         report = self.run("render", path, "--out", out, *arguments, key=key)
-        self.machine = {name: report[name] for name in ["device", "driver", "commit"]}
+        self.machine = {name: report[name] for name in ["device", "driver"]}
+        self.commit = report["commit"]
         return report, out
 
     def reference(self, scene, bounces, frame=0, spp=None):
@@ -106,6 +108,7 @@ def page(results):
     machine = results["machine"]
     rows = results["rows"]
     counts = ", ".join(f"{sum(row['verdict'] == verdict for row in rows.values())} {verdict}" for verdict in VERDICTS)
+    commits = ", ".join(sorted({row["commit"] for row in rows.values() if row.get("commit")}))
     text = f"""# What four theses claim, measured
 
 {len(rows)} claims of four theses, each run by the method as its author describes it (`--preset tonna|granja|flatval|meijer`) against the path
@@ -115,7 +118,7 @@ tracer: {counts}. Written by
 scripts/reproduce        # --ci: a part, smaller, which fails if a verdict flips
 ```
 
-{machine['device']} ({machine['driver']}), commit {machine['commit']}, {results['size']}, {results['seeds']} seeds, 2 of large scenes; figures are means ± standard deviations
+{machine['device']} ({machine['driver']}), commits {commits} (docs/reproduction.json has that of each row), {results['size']}, {results['seeds']} seeds, 2 of large scenes; figures are means ± standard deviations
 over the seeds. A CPU driver's milliseconds are no GPU's: ratios alone are judged, and what needs a GPU is said to be not testable here
 (`scripts/gpu-report` measures it where there is one). HDR-VDP-2 and VMAF are external programs; SSIM and FLIP stand in for them. Models that
 the theses used and that code makes here: Sponza as `atrium`, Crytek Sponza as `atrium-drapery`, Sibenik as `cathedral`, Conference as
@@ -141,10 +144,11 @@ def measure(lab, wanted, is_ci, save):
         if (wanted and name not in wanted) or (is_ci and not claim.in_ci):
             continue
         print(f"{name} ...", file=sys.stderr, flush=True)
+        lab.commit = ""
         found = claim.measure(lab)
         figures = "; ".join(f"{what} {figure(value)}" for what, value in found.figures.items())
         rows[name] = {"claim": claim.text, "section": claim.section, "ran": claim.ran, "figure": figures, "verdict": found.verdict,
-                      "why": found.why}
+                      "why": found.why, "commit": lab.commit}
         print(f"{name}: {found.verdict}: {figures} ({time.monotonic() - begun:.0f} s)", file=sys.stderr, flush=True)
         save(rows)
     return rows
