@@ -235,8 +235,6 @@ pub(super) fn slow_click_context() -> egui::Context {
     let context = egui::Context::default();
     context.options_mut(|options| options.input_options.max_click_duration = 5.0);
     context.all_styles_mut(|style| {
-        // Bars that are seen tell that there is more.
-        style.spacing.scroll = egui::style::ScrollStyle::thin();
         style.text_styles.insert(egui::TextStyle::Small, egui::FontId::proportional(12.0));
     });
     context

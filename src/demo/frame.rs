@@ -252,6 +252,10 @@ impl Open {
         if self.session.is_some() && std::mem::take(&mut self.tour_waits) {
             self.toggle_tour(launch.contact_sheet.clone())?;
         }
+        // Its next acts build on those that wait.
+        if !self.actions.is_empty() {
+            return Ok(None);
+        }
         let (Some(session), Some(tour)) = (&self.session, &mut self.tour) else { return Ok(None) };
         let own = session.live_scene.pose(self.clock.time).camera;
         let seconds = self.clock.interval_ms() * 1e-3;

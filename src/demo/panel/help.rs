@@ -1,6 +1,7 @@
 //! The list of keys.
 
-use egui::{Grid, Ui, Window};
+use egui::style::ScrollStyle;
+use egui::{Grid, ScrollArea, Ui, Window};
 
 use super::PanelState;
 use crate::demo::action::{BINDINGS, GESTURES};
@@ -11,17 +12,22 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState) {
         .open(&mut state.help)
         .fixed_pos(corner + egui::vec2(8.0, 8.0))
         .collapsible(false)
-        .resizable(false)
-        .max_height(ui.available_height() - 60.0)
-        .vscroll(true);
+        .resizable(false);
+    let height = ui.available_height() - 100.0;
     window.show(ui.ctx(), |ui| {
-        Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-            let bound = BINDINGS.iter().map(|binding| (binding.keys, binding.what));
-            for (keys, what) in GESTURES.iter().copied().chain(bound) {
-                ui.strong(keys);
-                ui.label(what);
-                ui.end_row();
-            }
-        });
+        // A bar that is seen tells that there is more.
+        ui.spacing_mut().scroll = ScrollStyle::thin();
+        ScrollArea::vertical().max_height(height).show(ui, list);
+    });
+}
+
+fn list(ui: &mut Ui) {
+    Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
+        let bound = BINDINGS.iter().map(|binding| (binding.keys, binding.what));
+        for (keys, what) in GESTURES.iter().copied().chain(bound) {
+            ui.strong(keys);
+            ui.label(what);
+            ui.end_row();
+        }
     });
 }
