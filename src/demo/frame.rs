@@ -10,7 +10,7 @@ use super::flight::Flight;
 use super::history::Sample;
 use super::loader::Built;
 use super::panel::{self, Shown};
-use super::perform::Preparation;
+use super::preparation::Preparation;
 use super::recorder::Recorder;
 use super::recorder::Recording;
 use super::screenshot::Saving;

@@ -26,6 +26,7 @@ mod mouse;
 mod panel;
 mod perform;
 mod pointer;
+mod preparation;
 mod recorder;
 mod resolution;
 mod screenshot;

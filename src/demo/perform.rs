@@ -9,63 +9,15 @@ use super::edit::{Entry, free_name, free_place, new_light};
 use super::loader::{Edited, LoadRequest};
 use super::panel::Purpose;
 use super::recorder::Recording;
-use super::resolution::COARSEST;
 use super::screenshot::{self, SavedScene, Saving};
 use super::session::{Change, Saved, Selected, Session, carry};
-use super::split::{Right, RightSide, Split};
 use super::transform::{moved_instance, moved_light};
 use super::undo::State;
 use crate::formats::{InstanceEntry, LightEntry, SceneError};
 use crate::output::automatic_exposure;
-use crate::settings::{self, Settings};
-
-/// Settings that choose shaders.
-const METHODS: [&str; 5] = ["indirect", "direct", "reflections", "antialiasing", "denoise"];
-
-/// What takes so long that a frame says so first.
-pub(super) struct Preparation {
-    pub what: String,
-    /// Frames that were presented meanwhile.
-    frames: u32,
-    has_begun: bool,
-}
-
-impl Preparation {
-    /// Frames after which it is seen: in the first one the area of the notice has no size yet.
-    const ANNOUNCED: u32 = 2;
-    /// Frames until its own are there: some drivers compile shaders when they first run.
-    const OVER: u32 = Self::ANNOUNCED + 4;
-
-    fn of(what: String) -> Self {
-        Self { what, frames: 0, has_begun: false }
-    }
-
-    /// Counts a frame that was presented.
-    pub fn count_frame(&mut self) {
-        self.frames += 1;
-    }
-
-    /// Whether nothing waits for it any more.
-    pub fn is_over(&self) -> bool {
-        self.frames >= Self::OVER
-    }
-}
+use crate::settings::Settings;
 
 impl App {
-    /// Executes the actions in their order. One that must be announced waits with all after it.
-    pub(super) fn perform_all(&mut self) -> Result<(), DemoError> {
-        let actions = self.open.as_mut().map_or_else(Vec::new, |open| std::mem::take(&mut open.actions));
-        for action in actions {
-            let Some(open) = &mut self.open else { return Ok(()) };
-            if open.must_wait(&action) {
-                open.actions.push(action);
-            } else {
-                self.perform(action)?;
-            }
-        }
-        Ok(())
-    }
-
     /// Executes an action. Invalid input is reported in the panel; an error ends the program.
     pub(super) fn perform(&mut self, action: Action) -> Result<(), DemoError> {
         self.log.event("action", &action);
@@ -123,14 +75,7 @@ impl App {
                     open.request_scene(name, None);
                 }
             }
-            Action::SetCoarseness(pixels) => {
-                open.resolution.hold();
-                open.resolution.automatic = pixels.is_none();
-                if let Some(pixels) = pixels {
-                    open.resolution.coarseness = pixels.clamp(1, COARSEST);
-                }
-                open.resized = Some(std::time::Instant::now());
-            }
+            Action::SetCoarseness(pixels) => open.set_coarseness(pixels),
             Action::Set(settings) => open.set_and_remember(&settings)?,
             Action::Undo => open.step_back()?,
             Action::Redo => open.step_forward()?,
@@ -155,41 +100,6 @@ impl App {
 }
 
 impl Open {
-    /// Whether an action must wait until the window has said what takes so long.
-    fn must_wait(&mut self, action: &Action) -> bool {
-        match &mut self.panel.preparation {
-            Some(preparation) if !preparation.has_begun => {
-                preparation.has_begun = preparation.frames >= Preparation::ANNOUNCED;
-                !preparation.has_begun
-            }
-            _ => {
-                let next = self.what_takes_long(action).map(Preparation::of);
-                let waits = next.is_some();
-                self.panel.preparation = next.or(self.panel.preparation.take());
-                waits
-            }
-        }
-    }
-
-    /// What an action compiles shaders for.
-    fn what_takes_long(&self, action: &Action) -> Option<String> {
-        let session = self.session.as_ref()?;
-        let is_divided = matches!(&self.split, Some(Split { right: Right::Renderer(_), .. }));
-        match action {
-            Action::ToggleSplit | Action::Split(Some(RightSide::Settings(_))) if !is_divided => {
-                Some("the right side".to_owned())
-            }
-            Action::Set(wanted) => {
-                let mut methods = METHODS.into_iter().filter_map(settings::find);
-                let other =
-                    methods.find(|setting| setting.value(wanted) != setting.value(&session.settings))?;
-                let method = other.value(wanted);
-                Some(format!("{} {}", other.key, method.as_str().unwrap_or_default()))
-            }
-            _ => None,
-        }
-    }
-
     /// Whether the scene has unsaved edits.
     pub(super) fn is_edited(&self) -> bool {
         self.session.as_ref().is_some_and(Session::is_edited)

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use super::action::Action;
 use super::app::Open;
 use super::recorder::Recording;
+use super::resolution::COARSEST;
 use super::split::{Right, Split};
 use crate::scene::Pose;
 use crate::settings::Settings;
@@ -57,6 +58,16 @@ impl Open {
             let settings = Settings { size, ..session.settings.clone() };
             self.actions.push(Action::Set(Box::new(settings)));
         }
+    }
+
+    /// Window pixels per picture pixel in each direction; none: as the rate asks for.
+    pub fn set_coarseness(&mut self, pixels: Option<u32>) {
+        self.resolution.hold();
+        self.resolution.automatic = pixels.is_none();
+        if let Some(pixels) = pixels {
+            self.resolution.coarseness = pixels.clamp(1, COARSEST);
+        }
+        self.resized = Some(Instant::now());
     }
 
     /// Whether no frame would differ from the last one: a scene is loaded, or the picture is frozen.

@@ -112,6 +112,7 @@ pub const PASS_NAMES: [&str; 39] = [
     "indirect_bmfr_accumulate",
     "indirect_bmfr_fit",
     "indirect_bmfr_filtered",
+    "environment_prefilter",
     "reflections_trace",
     "reflections_svgf_temporal",
     "reflections_svgf_variance",

@@ -34,7 +34,7 @@ use super::handles::{self, Mode};
 use super::history::History;
 use super::inspector::Inspector;
 use super::loader::Loader;
-use super::perform::Preparation;
+use super::preparation::Preparation;
 use super::recorder::Recording;
 use super::resolution::Resolution;
 use super::session::{Selected, Session};
