@@ -48,7 +48,7 @@ layout(set = 0, binding = 38, rgba16f) uniform readonly image2D thin_mirrored;
 layout(set = 0, binding = 39, rgba16f) uniform readonly image2D thin_transmittance;
 
 // The environment by roughness: see split_sum.glsl.
-layout(set = 0, binding = 40) uniform texture2D prefiltered_environment;
+layout(set = 0, binding = 40, rgba16f) uniform readonly image2D prefiltered_environment;
 #define READS_PREFILTERED
 #include "split_sum.glsl"
 

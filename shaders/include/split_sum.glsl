@@ -20,7 +20,7 @@ vec3 prefiltered_level(vec2 uv, int level) {
         texel.x = (texel.x + LEVEL_SIZE.x) % LEVEL_SIZE.x;
         texel.y = clamp(texel.y, 0, LEVEL_SIZE.y - 1) + level * LEVEL_SIZE.y;
         vec2 weight = mix(1.0 - share, share, vec2(offset));
-        sum += weight.x * weight.y * texelFetch(prefiltered_environment, texel, 0).rgb;
+        sum += weight.x * weight.y * imageLoad(prefiltered_environment, texel).rgb;
     }
     return sum;
 }
