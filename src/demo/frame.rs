@@ -10,7 +10,6 @@ use super::flight::Flight;
 use super::history::Sample;
 use super::loader::Built;
 use super::panel::{self, Shown};
-use super::preparation::Preparation;
 use super::recorder::Recorder;
 use super::recorder::Recording;
 use super::screenshot::Saving;
@@ -72,8 +71,7 @@ impl App {
         };
         open.window.pre_present_notify();
         let presented = open.gpu.presenter.present(&panes, open.viewport(), &drawing)?;
-        open.panel.preparation.as_mut().map(Preparation::count_frame);
-        open.panel.preparation.take_if(|preparation| preparation.is_over());
+        open.count_announced();
         if presented == Presented::Skipped {
             open.textures.append(drawing.textures);
             return Ok(());
@@ -252,8 +250,7 @@ impl Open {
         if self.session.is_some() && std::mem::take(&mut self.tour_waits) {
             self.toggle_tour(launch.contact_sheet.clone())?;
         }
-        // Its next acts build on those that wait.
-        if !self.actions.is_empty() {
+        if self.has_waiting() {
             return Ok(None);
         }
         let (Some(session), Some(tour)) = (&self.session, &mut self.tour) else { return Ok(None) };
@@ -302,6 +299,9 @@ impl Open {
                 };
             actions.extend(panel::draw(ui, &mut self.panel, &mut shown));
         });
+        if self.has_waiting() {
+            actions.retain(|action| !matches!(action, Action::Set(_)));
+        }
         self.actions.extend(actions);
         self.egui.handle_platform_output(&self.window, output.platform_output);
         self.textures.append(output.textures_delta);

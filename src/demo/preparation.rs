@@ -26,16 +26,6 @@ impl Preparation {
     fn of(what: String) -> Self {
         Self { what, frames: 0, has_begun: false }
     }
-
-    /// Counts a frame that was presented.
-    pub fn count_frame(&mut self) {
-        self.frames += 1;
-    }
-
-    /// Whether nothing waits for it any more.
-    pub fn is_over(&self) -> bool {
-        self.frames >= Self::OVER
-    }
 }
 
 impl App {
@@ -55,6 +45,19 @@ impl App {
 }
 
 impl Open {
+    /// Counts a frame that was presented.
+    pub(super) fn count_announced(&mut self) {
+        if let Some(preparation) = &mut self.panel.preparation {
+            preparation.frames += 1;
+        }
+        self.panel.preparation.take_if(|preparation| preparation.frames >= Preparation::OVER);
+    }
+
+    /// Whether actions wait: settings that are made meanwhile would take theirs back.
+    pub(super) fn has_waiting(&self) -> bool {
+        self.panel.preparation.as_ref().is_some_and(|preparation| !preparation.has_begun)
+    }
+
     /// Whether an action must wait until the window has said what takes so long.
     fn must_wait(&mut self, action: &Action) -> bool {
         match &mut self.panel.preparation {

@@ -49,7 +49,10 @@ impl Open {
         if std::mem::replace(&mut self.last_viewport, viewport) != viewport {
             self.resized = Some(Instant::now());
         }
-        if self.is_measuring() || self.resized.is_none_or(|when| when.elapsed() <= RESIZE_DELAY) {
+        if self.is_measuring()
+            || self.has_waiting()
+            || self.resized.is_none_or(|when| when.elapsed() <= RESIZE_DELAY)
+        {
             return;
         }
         self.resized = None;

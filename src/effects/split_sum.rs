@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use crate::gpu_scene::environment::is_same_map;
 use crate::passes::storage_image;
 use crate::scene::{Environment, EnvironmentMap};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, SharedSet, Upload, VulkanError, shaders, vk};
@@ -58,11 +59,7 @@ impl SplitSum {
         environment: Option<&Environment>,
     ) -> Result<(), VulkanError> {
         let map = environment.and_then(|environment| environment.map.clone());
-        let is_same = self.of.as_ref().is_some_and(|of| match (of, &map) {
-            (Some(of), Some(map)) => Arc::ptr_eq(of, map),
-            (of, map) => of.is_none() && map.is_none(),
-        });
-        if is_same {
+        if self.of.as_ref().is_some_and(|of| is_same_map(of.as_ref(), map.as_ref())) {
             return Ok(());
         }
         frame

@@ -68,11 +68,7 @@ impl EnvironmentTexture {
 
     /// Whether this is the map of an environment.
     pub fn is_of(&self, environment: Option<&Environment>) -> bool {
-        match (&self.map, environment.and_then(|environment| environment.map.as_ref())) {
-            (Some(map), Some(other)) => Arc::ptr_eq(map, other),
-            (None, None) => true,
-            _ => false,
-        }
+        is_same_map(self.map.as_ref(), environment.and_then(|environment| environment.map.as_ref()))
     }
 
     /// For `FrameUniforms::background`.
@@ -82,6 +78,11 @@ impl EnvironmentTexture {
             None => scene.background.extend(0.0),
         }
     }
+}
+
+/// Whether two environments have one map, or none.
+pub(crate) fn is_same_map(map: Option<&Arc<EnvironmentMap>>, other: Option<&Arc<EnvironmentMap>>) -> bool {
+    map.map(Arc::as_ptr) == other.map(Arc::as_ptr)
 }
 
 /// Three mantissas of 9 bits and their exponent (Vulkan 1.3, 43.1.4, "Shared Exponent to RGB" reversed).
