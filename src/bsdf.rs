@@ -43,12 +43,12 @@ pub struct Bsdf {
     pub f90: f32,
 }
 
-/// The two lobes of a BSDF, 1/sr.
+/// A figure for each of the two lobes of a BSDF.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lobes {
     /// Lambertian.
     pub diffuse: Vec3,
-    /// GGX; 0 for a perfect mirror, whose lobe has no width.
+    /// GGX.
     pub reflected: Vec3,
 }
 
@@ -93,6 +93,10 @@ impl Shares {
 }
 
 impl Bsdf {
+    /// A perfect mirror.
+    pub(crate) const MIRROR: Self =
+        Self { base: Vec3::ZERO, metallic: 0.0, roughness: 0.0, f0: Vec3::ONE, f90: 1.0 };
+
     /// A Lambertian surface.
     pub const fn lambertian(albedo: Vec3) -> Self {
         Self { base: albedo, metallic: 0.0, roughness: 1.0, f0: Vec3::ZERO, f90: 0.0 }
@@ -160,6 +164,16 @@ impl Bsdf {
         shares.diffuse + shares.reflected
     }
 
+    /// What it makes of light that arrives at this cosine between normal and light: the share that each lobe sends on. The
+    /// Lambertian lobe sends by the direction in which light leaves, so its share does not depend on that in which it arrives.
+    pub fn sent_on(&self, cosine: f32) -> Lobes {
+        if !self.reflects() {
+            return Lobes { diffuse: self.base, reflected: Vec3::ZERO };
+        }
+        let diffuse = self.base * self.mean_diffuse_share();
+        Lobes { diffuse, reflected: self.shares(cosine.max(GRAZING)).reflected }
+    }
+
     /// This BSDF at a surface with shading normal `normal`, seen from `to_eye` (unit vectors).
     pub fn seen(&self, normal: Vec3, to_eye: Vec3) -> Reflection {
         let cosine = normal.dot(to_eye);
@@ -195,7 +209,7 @@ impl Reflection {
         self.shares.reflected
     }
 
-    /// The BSDF for light from the unit vector `to_light`.
+    /// The BSDF for light from the unit vector `to_light`, 1/sr; the GGX lobe of a perfect mirror has no width and counts as 0.
     pub fn evaluate(&self, to_light: Vec3) -> Lobes {
         if self.normal().dot(to_light) <= 0.0 {
             return Lobes::default();

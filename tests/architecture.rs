@@ -109,7 +109,10 @@ const ROOMS: &[(&str, &[&str])] = &[
             "vulkan",
         ],
     ),
-    ("estimators/vpls/manager", &["bvh", "formats", "report", "sampling", "scene", "settings", "statistics"]),
+    (
+        "estimators/vpls/manager",
+        &["bsdf", "bvh", "formats", "report", "sampling", "scene", "settings", "statistics"],
+    ),
     (
         "estimators/vpls",
         &[

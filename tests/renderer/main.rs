@@ -13,6 +13,7 @@ mod estimators;
 mod exposure;
 mod filters;
 mod forgetting;
+mod glossy_vpls;
 mod gltf_files;
 mod gltf_materials;
 mod golden;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glowworm::scene::Scene;
+use glowworm::scene::{LightKind, Scene};
 use glowworm::settings::{
     Antialiasing, Denoise, Direct, EffectSettings, Noise, Reflections, Settings, VplSettings,
 };
@@ -246,6 +246,8 @@ rotation = [90, 0, 0]
     );
     let mut scene = (*stage("albedo = [0.8, 0.8, 0.8], roughness = 0, metallic = 1", &more)).clone();
     scene.instances[0].transform.translation.x += 6.3;
+    // What a perfect mirror sends on from a sun without extent, VPLs have and a path tracer cannot find.
+    scene.lights.retain(|light| !matches!(light.kind, LightKind::Directional { .. }));
     Arc::new(scene)
 }
 
@@ -261,14 +263,17 @@ fn panes_reflect_what_is_in_front_of_them() {
             still_frames: 256,
             ..Settings::default()
         };
-        let drawn = gpu.rendered(&scene, &settings, 330).read_picture(true).unwrap().colour;
+        let drawn = [0, 1].map(|seed| {
+            let settings = Settings { seed, ..settings.clone() };
+            gpu.rendered(&scene, &settings, 330).read_picture(true).unwrap().colour
+        });
         let reference = reference(&scene, SIZE, settings.bounces, 512).colour;
         for (what, columns) in [("nothing", 30..48), ("a mirror", 53..62)] {
             let of = |picture: &[[f32; 3]]| {
                 let place = |at: &usize| columns.contains(&(at % 96)) && (18..30).contains(&(at / 96));
                 mean((0..picture.len()).filter(place).map(|at| luminance(&picture[at])))
             };
-            let ratio = of(&drawn) / of(&reference);
+            let ratio = mean(drawn.iter().map(|picture| of(picture))) / of(&reference);
             eprintln!("roughness {roughness} before {what}: {} of {}", ratio, of(&reference));
             assert!((ratio - 1.0).abs() < 0.03, "roughness {roughness} before {what}: {ratio}");
         }

@@ -1,5 +1,6 @@
 // VPLs, and what one sends to a point. Needs frame.glsl. Define VPLS_BINDING before including: it and the next are taken.
-// Twins: VplUniforms in src/estimators/vpls/vpl_buffer.rs, GpuVpl in src/estimators/vpls/manager/mod.rs.
+// Twins: VplUniforms in src/estimators/vpls/vpl_buffer.rs, GpuVpl and GlossyLobe in src/estimators/vpls/manager/.
+#include "bsdf.glsl"
 
 // A box that an instance has swept. Twin: src/estimators/vpls/swept_bounds.rs.
 struct SweptBox {
@@ -26,6 +27,12 @@ struct VplUniforms {
     SweptBox swept[MAX_SWEPT_BOXES]; // since the set was last rendered; those that exist come first
 };
 
+// The GGX lobe by which a VPL on a glossy surface sends a share of its light; the rest leaves by the cosine.
+struct GlossyLobe {
+    vec3 incoming; // unit direction in which the light arrived that the VPL reflects
+    uint packed;   // unorm: in each channel the share of the flux, and the roughness; 0: no such lobe
+};
+
 struct GpuVpl {
     vec3 position;    // on the surface; at infinity the unit direction towards it
     uint slot;
@@ -33,6 +40,7 @@ struct GpuVpl {
     uint bounce;
     vec3 flux;        // phi, W; at infinity the irradiance across its direction, W/m^2
     uint at_infinity; // 1: a direction instead of a place
+    GlossyLobe lobe;
 };
 
 layout(set = 0, binding = VPLS_BINDING, std140) uniform VplUniformBlock { VplUniforms data; } vpl_uniforms;
@@ -45,6 +53,18 @@ float set_weight(uint set) { return vpl_uniforms.data.set_weights[set / 4u][set 
 // short rays do not see the portal of a window.
 float bound_of(GpuVpl light) { return light.bounce == 0u ? 16.0 * vpl.geometry_bound : vpl.geometry_bound; }
 
+// The share of its flux that a VPL sends in a unit direction, 1/sr.
+vec3 density_of(GpuVpl light, vec3 direction) {
+    float cosine = dot(light.normal, direction);
+    if (cosine <= 0.0) return vec3(0.0);
+    vec3 diffuse = vec3(cosine / PI);
+    if (light.lobe.packed == 0u) return diffuse;
+    vec4 lobe = unpackUnorm4x8(light.lobe.packed);
+    // The lobe as that of a surface that reflects all light.
+    Reflection white = prepare_bsdf(Bsdf(vec3(0.0), 0.0, vec3(1.0), 1.0, lobe.a), light.normal, -light.lobe.incoming);
+    return mix(diffuse, reflected_towards_eye(white, direction) * cosine, lobe.rgb);
+}
+
 // Irradiance at p with normal n, unoccluded.
 vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     if (light.at_infinity != 0u) return light.flux * max(dot(n, light.position), 0.0);
@@ -52,9 +72,11 @@ vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     float squared = dot(d, d);
     if (squared <= 0.0) return vec3(0.0);
     float inverse = 1.0 / squared;
-    float cosines = max(dot(n, d), 0.0) * max(-dot(light.normal, d), 0.0) * inverse;
+    vec3 direction = d * inversesqrt(squared);
+    float cosine = dot(n, direction);
+    if (cosine <= 0.0) return vec3(0.0);
     float bound = bound_of(light);
-    return light.flux / PI * cosines * (bound > 0.0 ? min(inverse, bound) : inverse);
+    return light.flux * density_of(light, -direction) * (cosine * (bound > 0.0 ? min(inverse, bound) : inverse));
 }
 
 // Whether a ray crosses a box that an instance has swept, so that its occlusion may have changed.

@@ -155,7 +155,8 @@ mod tests {
             normal,
             bounce,
             flux,
-            at_infinity
+            at_infinity,
+            lobe
         );
     }
 }

@@ -3,8 +3,6 @@
 //! In: a surface point. Out: irradiance and visibility of each VPL, E = phi/pi <n_x,w>+ <n_y,-w>+ min(1/d^2, c) V.
 //! Twin of shaders/estimators/vpls/gather.glsl.
 
-use std::f32::consts::PI;
-
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -124,8 +122,7 @@ pub(crate) fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 
     if squared <= 0.0 {
         return Vec3::ZERO;
     }
-    let inverse = 1.0 / squared;
-    let cosines = at.normal.dot(d).max(0.0) * (-vpl.normal.dot(d)).max(0.0) * inverse;
+    let (inverse, direction) = (1.0 / squared, d / squared.sqrt());
     let geometry = if clamp > 0.0 { inverse.min(clamp) } else { inverse };
-    vpl.flux / PI * cosines * geometry
+    vpl.flux * vpl.density(-direction) * (at.normal.dot(direction).max(0.0) * geometry)
 }

@@ -8,6 +8,7 @@
 //! - `emitter`, `focus`: emission sampling.
 //! - `placement`, `importance`: the choice among several candidates for a slot, by what a VPL brings to the picture.
 //! - `changes`: what changed in the world; `invalidate`, `slot_test`: algorithm 2; `replace`, `shoot`: algorithm 3.
+//! - `glossy_lobe`: how a VPL sends light on.
 //! - `upload`: the VPLs of a set for the shaders.
 //! - `counters`: what is reported; `inspect`: for debug views and the warning about slots without light.
 
@@ -16,6 +17,7 @@ mod changes;
 mod counters;
 mod emitter;
 mod focus;
+mod glossy_lobe;
 mod importance;
 mod inspect;
 mod invalidate;
@@ -29,6 +31,7 @@ mod upload;
 mod vpl_manager;
 
 pub use counters::{InvalidatedBy, Invalidation, InvalidationReason, VplCounters};
+pub use glossy_lobe::GlossyLobe;
 #[cfg(feature = "bench")]
 pub(crate) use inspect::contribution;
 pub use inspect::{Gathering, VplContribution};

@@ -7,7 +7,8 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::assignment::{NONE, PathRange};
-use super::emitter::{Source, diffuse_ray};
+use super::emitter::Source;
+use super::glossy_lobe::GlossyLobe;
 use super::slots::{Slot, SlotState};
 use super::vpl_manager::VplManager;
 use crate::bvh::{Hit, Ray, Transmission, World};
@@ -28,7 +29,7 @@ enum Start {
     /// A primary VPL at infinity: place in the environment's map, weight.
     AtInfinity(Vec2, Vec3),
     /// A ray to trace, with its weight.
-    Trace(Ray, f32),
+    Trace(Ray, Vec3),
 }
 
 impl VplManager {
@@ -119,23 +120,28 @@ impl VplManager {
 
     /// The ray that a shot of `slot` would trace now for a candidate, with its weight; none if the parent is not valid, or if the
     /// ray would enter its parent's surface. Not for primary VPLs.
-    pub(super) fn sample_ray(&self, slot: u32, candidate: u32) -> Option<(Ray, f32)> {
+    pub(super) fn sample_ray(&self, slot: u32, candidate: u32) -> Option<(Ray, Vec3)> {
         let address = &self.assignment.addresses[slot as usize];
         let emitter = &self.changes.emitters[address.light as usize];
         let u = self.layout.point(address, address.bounce - emitter.first_bounce(), candidate);
         if address.parent == NONE {
-            return emitter.first_ray(u);
+            let (ray, weight) = emitter.first_ray(u)?;
+            return Some((ray, Vec3::splat(weight)));
         }
-        if self.slots[address.parent as usize].state != SlotState::Valid {
+        let slot = &self.slots[address.parent as usize];
+        if slot.state != SlotState::Valid {
             return None;
         }
         let parent = &self.surfaces[address.parent as usize];
         if let (1, Source::Environment(sky)) = (address.bounce, &emitter.source) {
-            return Some(sky.next_ray(parent, u));
+            let (ray, weight) = sky.next_ray(parent, u);
+            return Some((ray, Vec3::splat(weight)));
         }
-        let ray = diffuse_ray(parent, u, self.changes.bounds.radius);
+        let (direction, weight) = slot.lobe.sample(parent.normal, u)?;
+        let origin = parent.offset_position(self.changes.bounds.radius);
+        let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
         // A direction above the shading hemisphere but below the geometric surface carries no light.
-        (ray.direction.dot(parent.geometric_normal) > 0.0).then_some((ray, 1.0))
+        (direction.dot(parent.geometric_normal) > 0.0).then_some((ray, weight))
     }
 
     /// Where the ray of a slot's candidate stops, whose closest hit is `hit`, and how it came there. The random numbers belong to
@@ -198,12 +204,14 @@ impl VplManager {
                 let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
                 let (found, material) = surface_at(hit.instance, point, Side::Facing(ray.direction));
                 let material = &world.scene.materials[material as usize];
-                let albedo = material.albedo_at(world.scene, found.attributes);
+                let bsdf = material.bsdf_at(world.scene, found.attributes);
+                let (albedo, lobe) = GlossyLobe::of(&bsdf, found.surface.normal, ray.direction);
                 let filled = Slot {
                     front: found.front,
                     instance: hit.instance,
                     point,
                     throughput: throughput * weight * transmission.weight * albedo,
+                    lobe,
                     transmission,
                     unoccluded: Some(Ray { t_max: hit.t * HIT_MARGIN, ..ray }),
                     ..valid

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::assignment::{Address, NONE};
 use super::counters::Invalidation;
 use super::emitter::{Emitter, Source};
+use super::glossy_lobe::GlossyLobe;
 use crate::bvh::{Ray, Transmission, World};
 use crate::scene::{Side, SurfacePoint, WorldSurface};
 
@@ -43,6 +44,8 @@ pub(super) struct Slot {
     pub(super) point: SurfacePoint,
     /// Product of the albedos along the path, the weight of its start and those of the thin surfaces passed.
     pub(super) throughput: Vec3,
+    /// How its surface sends light on.
+    pub(super) lobe: GlossyLobe,
     /// The effect of thin surfaces on the ray that shot it.
     pub(super) transmission: Transmission,
     /// Frame in which it was shot.
@@ -64,6 +67,7 @@ impl Slot {
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         throughput: Vec3::ZERO,
+        lobe: GlossyLobe::NONE,
         transmission: Transmission::CLEAR,
         shot: 0,
         unoccluded: None,

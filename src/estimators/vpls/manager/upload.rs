@@ -9,12 +9,13 @@ use glam::Vec3;
 
 use super::assignment::NONE;
 use super::emitter::{Sky, Source};
+use super::glossy_lobe::GlossyLobe;
 use super::slots::{SlotHistory, SlotState, SlotView};
 use super::vpl_manager::VplManager;
 use crate::bvh::World;
 use crate::scene::{BoundingSphere, WorldSurface, luminance};
 
-/// A VPL as the shaders see it (std430, 48 bytes).
+/// A VPL as the shaders see it (std430, 64 bytes).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuVpl {
@@ -30,6 +31,15 @@ pub struct GpuVpl {
     pub flux: Vec3,
     /// 1: a direction instead of a place.
     pub at_infinity: u32,
+    /// How its surface sends light on.
+    pub lobe: GlossyLobe,
+}
+
+impl GpuVpl {
+    /// The share of its flux that leaves in a unit direction, 1/sr. Not for those at infinity.
+    pub(super) fn density(&self, direction: Vec3) -> Vec3 {
+        self.lobe.density(self.normal, direction)
+    }
 }
 
 impl VplManager {
@@ -120,7 +130,15 @@ impl VplManager {
         }
         let address = &self.assignment.addresses[index];
         let WorldSurface { position, normal, .. } = stored.surface(world, address, &self.changes.emitters);
-        let vpl = GpuVpl { position, slot, normal, bounce: address.bounce, flux, at_infinity: 0 };
+        let vpl = GpuVpl {
+            position,
+            slot,
+            normal,
+            bounce: address.bounce,
+            flux,
+            at_infinity: 0,
+            lobe: stored.lobe,
+        };
         Some(match self.sky_of(index) {
             Some(sky) => {
                 let flux = flux * sky.irradiance_of_flux();

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use bytemuck::Zeroable;
 
-use super::manager::{GpuVpl, VplManager};
+use super::manager::{GlossyLobe, GpuVpl, VplManager};
 use super::method::{AXES, COUNTERS};
 use super::scale::{geometry_bound, irradiance_scale, median_segment_length};
 use super::set_buffers::{RenderedSet, SetBuffers};
@@ -114,6 +114,8 @@ impl Estimator for Tonna {
         };
         self.set = clock.turn();
         self.set_vpls = self.manager.set_vpls(world, self.set);
+        // Its surfaces are Lambertian.
+        self.set_vpls.iter_mut().for_each(|vpl| vpl.lobe = GlossyLobe::NONE);
         // Slot j of the set is of class j mod n^2, wherever it lies.
         self.set_vpls.sort_unstable_by_key(|vpl| vpl.slot);
         self.flux = self.manager.set_flux();
