@@ -353,7 +353,11 @@ def f_spikes(lab):
             found.append(statistics.median(ms[:3]) / statistics.median(ms[4:]))
         return found
     svgf, bmfr = peak(SVGF, ["indirect_svgf_variance"]), peak(BMFR, BMFR_PASSES)
-    return Found({"SVGF": svgf, "BMFR": bmfr}, *holds(mean(svgf) > 1.3 > mean(bmfr), "no such difference"))
+    # A ratio of 1.3 is a peak.
+    verdict = above(svgf, 1.3, "SVGF's have none")
+    if verdict[0] == "confirmed":
+        verdict = above([-ratio for ratio in bmfr], -1.3, "BMFR's have one, too")
+    return Found({"SVGF": svgf, "BMFR": bmfr}, *verdict)
 
 
 NEW = "--bmfr-features 1,wx*wx,sqrt(nx),wz*wz,wx*ny,wy*wy,nx,nz,sqrt(ny),wx*wy"
