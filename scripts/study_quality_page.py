@@ -71,7 +71,7 @@ The camera turns by 30 degrees a second; in the playroom lamps and objects move.
 - **path tracer**: HDR-FLIP and mottling of as many of its samples a pixel as take the time of a frame on the same cores, at least one.
 """
 
-ANIMATIONS = """Default, 16 times the samples, path tracer, at one exposure:
+ANIMATIONS = """Default, 16 times the samples, path tracer (128 samples a pixel), at one exposure (`scripts/study-quality animations`):
 
 {pictures}
 """

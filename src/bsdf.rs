@@ -43,7 +43,7 @@ pub struct Bsdf {
     pub f90: f32,
 }
 
-/// A figure for each of the two lobes of a BSDF.
+/// One value for each of the two lobes of a BSDF.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lobes {
     /// Lambertian.
@@ -93,13 +93,14 @@ impl Shares {
 }
 
 impl Bsdf {
-    /// A perfect mirror.
-    pub(crate) const MIRROR: Self =
-        Self { base: Vec3::ZERO, metallic: 0.0, roughness: 0.0, f0: Vec3::ONE, f90: 1.0 };
-
     /// A Lambertian surface.
     pub const fn lambertian(albedo: Vec3) -> Self {
         Self { base: albedo, metallic: 0.0, roughness: 1.0, f0: Vec3::ZERO, f90: 0.0 }
+    }
+
+    /// A GGX lobe alone that reflects all light.
+    pub const fn white_ggx(roughness: f32) -> Self {
+        Self { base: Vec3::ZERO, metallic: 0.0, roughness, f0: Vec3::ONE, f90: 1.0 }
     }
 
     /// Whether it has a GGX lobe.
@@ -164,9 +165,9 @@ impl Bsdf {
         shares.diffuse + shares.reflected
     }
 
-    /// What it makes of light that arrives at this cosine between normal and light: the share that each lobe sends on. The
-    /// Lambertian lobe sends by the direction in which light leaves, so its share does not depend on that in which it arrives.
-    pub fn sent_on(&self, cosine: f32) -> Lobes {
+    /// Directional-hemispherical reflectance of each lobe, for this cosine between normal and light. That of the Lambertian lobe does
+    /// not depend on it: albedo scaling goes by the direction to the eye.
+    pub fn hemispherical_reflectance(&self, cosine: f32) -> Lobes {
         if !self.reflects() {
             return Lobes { diffuse: self.base, reflected: Vec3::ZERO };
         }

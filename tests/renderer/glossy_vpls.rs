@@ -1,4 +1,4 @@
-//! Light that glossy surfaces send on to others, against the path tracer.
+//! VPLs on glossy surfaces, against the path tracer.
 
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ fn wall_behind(floor: Material) -> Scene {
 }
 
 #[test]
-fn light_that_glossy_floors_send_on_reaches_the_wall_where_they_mirror_it() {
+fn glossy_floors_light_the_wall_where_they_mirror_the_light() {
     let Some(gpu) = GpuFixture::open() else { return };
     let glossy = Material {
         f0: Vec3::splat(0.04),

@@ -1,5 +1,5 @@
 // Irradiance of a surface from one VPL, by a ray to it:
-//   E = phi e(-w) <n_x,w>+ min(1/d^2, c) V        (Keller 1997, with a bounded geometry term; e: density_of)
+//   E = phi e(-w) <n_x,w>+ min(1/d^2, c) V        (Keller 1997, with a bounded geometry term; e: emission_density)
 // and from one at infinity E = E_w <n_x,w>+ V, where V is what the thin surfaces between let pass, 0 behind anything opaque.
 // Needs vpls.glsl, surface.glsl and tracer.glsl. Counts the ray; a VPL that faces away needs none.
 vec3 gather(Surface surface, GpuVpl light, inout uint rays) {

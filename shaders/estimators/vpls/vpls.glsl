@@ -27,10 +27,10 @@ struct VplUniforms {
     SweptBox swept[MAX_SWEPT_BOXES]; // since the set was last rendered; those that exist come first
 };
 
-// The GGX lobe by which a VPL on a glossy surface sends a share of its light; the rest leaves by the cosine.
+// The GGX lobe of a VPL on a glossy surface, by which it emits a share of its flux; the Lambertian lobe emits the rest.
 struct GlossyLobe {
-    vec3 incoming; // unit direction in which the light arrived that the VPL reflects
-    uint packed;   // unorm: in each channel the share of the flux, and the roughness; 0: no such lobe
+    vec3 incident; // unit direction in which light arrived at the VPL
+    uint packed;   // unorm: the lobe's share of the flux in each channel, and its roughness; 0: no such lobe
 };
 
 struct GpuVpl {
@@ -53,15 +53,15 @@ float set_weight(uint set) { return vpl_uniforms.data.set_weights[set / 4u][set 
 // short rays do not see the portal of a window.
 float bound_of(GpuVpl light) { return light.bounce == 0u ? 16.0 * vpl.geometry_bound : vpl.geometry_bound; }
 
-// The share of its flux that a VPL sends in a unit direction, 1/sr.
-vec3 density_of(GpuVpl light, vec3 direction) {
+// Intensity of a VPL in a unit direction over its flux, 1/sr.
+vec3 emission_density(GpuVpl light, vec3 direction) {
     float cosine = dot(light.normal, direction);
     if (cosine <= 0.0) return vec3(0.0);
     vec3 diffuse = vec3(cosine / PI);
     if (light.lobe.packed == 0u) return diffuse;
     vec4 lobe = unpackUnorm4x8(light.lobe.packed);
-    // The lobe as that of a surface that reflects all light.
-    Reflection white = prepare_bsdf(Bsdf(vec3(0.0), 0.0, vec3(1.0), 1.0, lobe.a), light.normal, -light.lobe.incoming);
+    // Normalized: that of a surface that reflects all light.
+    Reflection white = prepare_bsdf(Bsdf(vec3(0.0), 0.0, vec3(1.0), 1.0, lobe.a), light.normal, -light.lobe.incident);
     return mix(diffuse, reflected_towards_eye(white, direction) * cosine, lobe.rgb);
 }
 
@@ -76,7 +76,7 @@ vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
     float cosine = dot(n, direction);
     if (cosine <= 0.0) return vec3(0.0);
     float bound = bound_of(light);
-    return light.flux * density_of(light, -direction) * (cosine * (bound > 0.0 ? min(inverse, bound) : inverse));
+    return light.flux * emission_density(light, -direction) * (cosine * (bound > 0.0 ? min(inverse, bound) : inverse));
 }
 
 // Whether a ray crosses a box that an instance has swept, so that its occlusion may have changed.

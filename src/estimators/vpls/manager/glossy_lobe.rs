@@ -1,6 +1,6 @@
-//! The GGX lobe by which a VPL on a glossy surface sends a share of its light; the rest leaves by the cosine.
+//! The GGX lobe of a VPL on a glossy surface, by which it emits a share of its flux; the Lambertian lobe emits the rest.
 //!
-//! In: a BSDF, its normal and where the light came from. Out: the lobe, its density (1/sr) and samples of it. Twin:
+//! In: a BSDF, its normal and the direction of incidence. Out: the lobes, their density (1/sr) and samples of it. Twin:
 //! shaders/estimators/vpls/vpls.glsl.
 
 use bytemuck::{Pod, Zeroable};
@@ -9,36 +9,36 @@ use glam::{Vec2, Vec3};
 use crate::bsdf::{Bsdf, Reflection};
 use crate::sampling::{self, Frame};
 
-/// Lobes of smoother surfaces are widened to this roughness: one VPL stands for light from many directions, and a narrow lobe would
-/// be seen as the spots that it throws.
+/// Lobes of smoother surfaces get this roughness: each VPL stands for a continuum of light paths, and a narrow lobe would show as a
+/// spot of its own.
 const LEAST_ROUGHNESS: f32 = 0.5;
 
 /// `GlossyLobe` in shaders/estimators/vpls/vpls.glsl (std430, 16 bytes).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GlossyLobe {
-    /// Unit direction in which the light arrived that the VPL reflects.
-    pub incoming: Vec3,
-    /// 8 bits each, the lowest first: in each channel the share of the flux, and the roughness. 0: no such lobe.
+    /// Unit direction in which light arrived at the VPL.
+    pub incident: Vec3,
+    /// Unorm, 8 bits each, the lowest first: the lobe's share of the flux in each channel, and its roughness. 0: no such lobe.
     pub packed: u32,
 }
 
 impl GlossyLobe {
-    /// No lobe: all light leaves by the cosine.
-    pub const NONE: Self = Self { incoming: Vec3::ZERO, packed: 0 };
+    /// No such lobe: the VPL is Lambertian.
+    pub const NONE: Self = Self { incident: Vec3::ZERO, packed: 0 };
 
-    /// What a surface sends on of light that arrives in direction `incoming`, and the lobe that sends a share of it.
-    pub(super) fn of(bsdf: &Bsdf, normal: Vec3, incoming: Vec3) -> (Vec3, Self) {
-        let lobes = bsdf.sent_on(-normal.dot(incoming));
+    /// The albedo of a surface for light in the unit direction `incident`, and the lobe.
+    pub(super) fn of(bsdf: &Bsdf, normal: Vec3, incident: Vec3) -> (Vec3, Self) {
+        let lobes = bsdf.hemispherical_reflectance(-normal.dot(incident));
         let albedo = lobes.diffuse + lobes.reflected;
         let share = lobes.reflected / albedo.max(Vec3::splat(f32::MIN_POSITIVE));
         let fields = share.extend(bsdf.roughness.max(LEAST_ROUGHNESS)).to_array();
         let bytes = fields.map(|field| (field.clamp(0.0, 1.0) * 255.0).round() as u8);
         let is_none = lobes.reflected == Vec3::ZERO;
-        (albedo, if is_none { Self::NONE } else { Self { incoming, packed: u32::from_le_bytes(bytes) } })
+        (albedo, if is_none { Self::NONE } else { Self { incident, packed: u32::from_le_bytes(bytes) } })
     }
 
-    /// In each channel the share of the flux.
+    /// The lobe's share of the flux in each channel.
     fn share(&self) -> Vec3 {
         let [red, green, blue, _] = self.fields();
         Vec3::new(red, green, blue)
@@ -48,13 +48,13 @@ impl GlossyLobe {
         self.packed.to_le_bytes().map(|byte| f32::from(byte) / 255.0)
     }
 
-    /// The lobe as that of a surface that reflects all light.
+    /// The lobe, normalized.
     fn reflection(&self, normal: Vec3) -> Reflection {
         let [.., roughness] = self.fields();
-        Bsdf { roughness, ..Bsdf::MIRROR }.seen(normal, -self.incoming)
+        Bsdf::white_ggx(roughness).seen(normal, -self.incident)
     }
 
-    /// The share of the flux of a VPL with this lobe that leaves in a direction, of both lobes together, 1/sr.
+    /// Intensity of the VPL in a unit direction over its flux, 1/sr, of both lobes.
     pub(super) fn density(&self, normal: Vec3, direction: Vec3) -> Vec3 {
         let cosine = normal.dot(direction).max(0.0);
         let diffuse = Vec3::splat(cosine / std::f32::consts::PI);
@@ -65,7 +65,7 @@ impl GlossyLobe {
         diffuse + self.share() * (glossy - diffuse)
     }
 
-    /// Samples a direction of both lobes, with its weight; none where that leads into the surface.
+    /// Samples a direction by both lobes, with its weight: [`Self::density`] over that of the samples. None below the surface.
     pub(super) fn sample(&self, normal: Vec3, u: Vec2) -> Option<(Vec3, Vec3)> {
         let share = self.share();
         let probability = share.max_element();
@@ -107,33 +107,37 @@ mod tests {
     }
 
     #[test]
-    fn a_lobe_sends_what_the_bsdf_does() {
+    fn the_density_is_that_of_the_bsdf() {
         for bsdf in [VARNISH, BRASS] {
             for slope in [0.0, 1.0, 3.0] {
-                let incoming = Vec3::new(slope, 0.0, -1.0).normalize();
-                let (albedo, lobe) = GlossyLobe::of(&bsdf, Vec3::Z, incoming);
-                let (mut total, mut error, mut of_cosine) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+                let incident = Vec3::new(slope, 0.0, -1.0).normalize();
+                let (albedo, lobe) = GlossyLobe::of(&bsdf, Vec3::Z, incident);
+                let (mut total, mut error, mut of_lambertian) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
                 for (direction, angle) in directions(Vec3::Z) {
-                    // The BSDF looks from where light leaves to where it came from.
-                    let lobes = bsdf.seen(Vec3::Z, direction).evaluate(-incoming);
+                    // Seen from the direction in which light leaves.
+                    let lobes = bsdf.seen(Vec3::Z, direction).evaluate(-incident);
                     let truth = (lobes.diffuse + lobes.reflected) * (direction.z * angle);
                     total += truth;
-                    let sent = |lobe: &GlossyLobe| albedo * lobe.density(Vec3::Z, direction) * angle;
-                    error += (sent(&lobe) - truth).abs();
-                    of_cosine += (sent(&GlossyLobe::NONE) - truth).abs();
+                    let emitted = |lobe: &GlossyLobe| albedo * lobe.density(Vec3::Z, direction) * angle;
+                    error += (emitted(&lobe) - truth).abs();
+                    of_lambertian += (emitted(&GlossyLobe::NONE) - truth).abs();
                 }
                 assert!((albedo / total - 1.0).abs().max_element() < 0.1, "{albedo} {total}");
                 assert!((error / total).max_element() < 0.3, "slope {slope}: {}", error / total);
-                assert!((error / of_cosine).max_element() < 0.6, "slope {slope}: {}", error / of_cosine);
+                assert!(
+                    (error / of_lambertian).max_element() < 0.6,
+                    "slope {slope}: {}",
+                    error / of_lambertian
+                );
             }
         }
     }
 
     #[test]
     fn samples_have_the_density() {
-        let incoming = Vec3::new(1.0, 0.3, -1.0).normalize();
+        let incident = Vec3::new(1.0, 0.3, -1.0).normalize();
         for bsdf in [VARNISH, BRASS, Bsdf::lambertian(Vec3::splat(0.5))] {
-            let (_, lobe) = GlossyLobe::of(&bsdf, Vec3::Z, incoming);
+            let (_, lobe) = GlossyLobe::of(&bsdf, Vec3::Z, incident);
             let expected: Vec3 =
                 directions(Vec3::Z).map(|(d, angle)| lobe.density(Vec3::Z, d) * (angle * d.x)).sum();
             let count = 1 << 14;

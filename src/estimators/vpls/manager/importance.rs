@@ -1,7 +1,7 @@
 //! How much a VPL on a surface brings to the picture.
 //!
 //! In: a camera and the BVH. Out: an importance for each place and, at infinity, each direction. A cosine-distributed ray from a
-//! visible point hits a surface with the very density with which a VPL there, per unit of flux and unoccluded, lights that point. So
+//! visible point hits a surface with the very density with which a Lambertian VPL there, per unit of flux and unoccluded, lights that point. So
 //! rays from a few dozen visible points, counted in a grid over position and direction, give the VPLs' importance with visibility:
 //! paths from the camera backwards (Segovia et al. 2006, "Bidirectional Instant Radiosity").
 

@@ -124,5 +124,5 @@ pub(crate) fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 
     }
     let (inverse, direction) = (1.0 / squared, d / squared.sqrt());
     let geometry = if clamp > 0.0 { inverse.min(clamp) } else { inverse };
-    vpl.flux * vpl.density(-direction) * (at.normal.dot(direction).max(0.0) * geometry)
+    vpl.flux * vpl.lobe.density(vpl.normal, -direction) * (at.normal.dot(direction).max(0.0) * geometry)
 }

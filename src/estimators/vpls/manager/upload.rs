@@ -31,15 +31,8 @@ pub struct GpuVpl {
     pub flux: Vec3,
     /// 1: a direction instead of a place.
     pub at_infinity: u32,
-    /// How its surface sends light on.
+    /// Of a glossy surface.
     pub lobe: GlossyLobe,
-}
-
-impl GpuVpl {
-    /// The share of its flux that leaves in a unit direction, 1/sr. Not for those at infinity.
-    pub(super) fn density(&self, direction: Vec3) -> Vec3 {
-        self.lobe.density(self.normal, direction)
-    }
 }
 
 impl VplManager {

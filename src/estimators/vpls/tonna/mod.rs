@@ -114,7 +114,7 @@ impl Estimator for Tonna {
         };
         self.set = clock.turn();
         self.set_vpls = self.manager.set_vpls(world, self.set);
-        // Its surfaces are Lambertian.
+        // Its VPLs are Lambertian.
         self.set_vpls.iter_mut().for_each(|vpl| vpl.lobe = GlossyLobe::NONE);
         // Slot j of the set is of class j mod n^2, wherever it lies.
         self.set_vpls.sort_unstable_by_key(|vpl| vpl.slot);
