@@ -122,7 +122,9 @@ scripts/reproduce        # --ci: a part, smaller, which fails if a verdict flips
 over the seeds. A CPU driver's milliseconds are no GPU's: ratios alone are judged, and what needs a GPU is said to be not testable here
 (`scripts/gpu-report` measures it where there is one). HDR-VDP-2 and VMAF are external programs; SSIM and FLIP stand in for them. Models that
 the theses used and that code makes here: Sponza as `atrium`, Crytek Sponza as `atrium-drapery`, Sibenik as `cathedral`, Conference as
-`meeting-room`. A verdict is computed from the figures by `scripts/reproduce_claims.py`, which states the bounds.
+`meeting-room`. A verdict is computed from the figures by `scripts/reproduce_claims.py`, which states the bounds. A speed-up is
+confirmed if it is at least half of the claimed one. T = 16: so many temporal sets; a class: the VPLs that one pixel of the n x n pattern gathers; HPSF and
+nHPSF: [PATH-SPACE](PATH-SPACE.md).
 
 - **T**: K. Tonna, *Real-time GI for dynamic environments using temporal filtering*, 2019.
 - **G**: P. Granja, *Real Time Hybrid Rendering Techniques*, 2021.

@@ -26,7 +26,7 @@ The irradiance alone against the path tracer (`glowworm reference`, paths throug
 
 ```sh
 scripts/study-quality               # --help lists sections and options, such as --seeds 8 for a table of other seeds
-scripts/equal-time                  # a table of pictures after one second, beside Mitsuba
+scripts/equal-time                  # adds a table of pictures after one second, beside Mitsuba
 ```
 
 Four scenes are made by `scripts/study_scenes.py`: `corridor` with its light far away, a room behind `blinds`, an `uplight` that

@@ -28,8 +28,8 @@
 //! The folder `examples` has more: without a window (`offscreen`), in a window of winit (`window`), a method of one's own
 //! (`estimator`), methods side by side (`compare`). Settings by name, as on the command line: [`settings::Settings::from_table`].
 //!
-//! Features, all on by default: `window` ([`demo`], with `bench`), `bench` ([`mod@bench`], comparisons and plots), `export` ([`mod@export`]). The library
-//! alone is `default-features = false`. Rust 1.95 or newer, which is what its dependencies need; Vulkan 1.3 at run time.
+//! Features that are on by default: `window` ([`demo`], with `bench`), `bench` ([`mod@bench`], comparisons and plots), `export` ([`mod@export`]); off:
+//! `shader-reload`, `embree` (a tracer to compare with). The library alone is `default-features = false`. Rust 1.95 or newer, which is what its dependencies need; Vulkan 1.3 at run time.
 //!
 //! Modules, from the bottom up (imports run downwards only):
 //!
@@ -48,6 +48,7 @@
 //! - [`gpu_scene`]: the scene on the device, the one descriptor set that rays and shading read.
 //! - [`passes`]: the passes that all methods share, one file each.
 //! - [`denoise`]: denoisers; none knows where its signal comes from.
+//! - [`filters`]: path-space filters, by which paths share light.
 //! - [`effects`]: soft shadows and reflections by rays.
 //! - [`estimators`]: methods for indirect light; one folder each.
 //! - [`renderer`]: the frame itself.

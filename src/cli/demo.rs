@@ -17,7 +17,7 @@ pub(super) struct DemoOptions {
     /// A built-in scene, a scene file (.toml) or a model (.obj, .gltf, .glb).
     #[arg(default_value = "playroom")]
     pub scene: String,
-    /// Begin with a tour: eight stops of 10 s, each of which shows one idea. Esc ends it.
+    /// Begin with a tour: eleven stops of 10 s, each of which shows one idea. Esc ends it.
     #[arg(long)]
     pub tour: bool,
     /// Write a .png of all stops of the tour, and their captions beside it as .txt, then close.

@@ -25,13 +25,16 @@ const REFLECTIONS: [PassInfo; 2] = [
     PassInfo::new("reflections_trace", [120, 80, 170]),
 ];
 /// The passes that make the picture.
-const PICTURE: [PassInfo; 6] = [
+const PICTURE: [PassInfo; 9] = [
     PassInfo::new("combine", [227, 119, 194]),
     PassInfo::part("combine", "radiance", [227, 119, 194]),
     PassInfo::part("combine", "exposure", [237, 160, 210]),
     PassInfo::part("combine", "tone_map", [200, 90, 170]),
     PassInfo::new("taa", [188, 128, 189]),
     PassInfo::new("still", [208, 168, 209]),
+    PassInfo::part("still", "still_mean", [208, 168, 209]),
+    PassInfo::part("still", "still_filter", [222, 190, 223]),
+    PassInfo::part("still", "still_fade", [190, 145, 192]),
 ];
 
 /// All passes in the order of a frame, each with the name of its method, or `shared` by all.

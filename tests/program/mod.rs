@@ -82,7 +82,7 @@ pub fn assert_fails(output: &Output, code: i32, says: &[&str]) {
 }
 
 /// The passes and stages of `--indirect vpls`, in the order of the frame.
-pub const PASS_NAMES: [&str; 40] = [
+pub const PASS_NAMES: [&str; 43] = [
     "bvh_update",
     "vpl_invalidation",
     "vpl_replacement",
@@ -123,4 +123,7 @@ pub const PASS_NAMES: [&str; 40] = [
     "tone_map",
     "taa",
     "still",
+    "still_mean",
+    "still_filter",
+    "still_fade",
 ];

@@ -127,7 +127,11 @@ fn a_toy_estimator_is_shown_timed_counted_and_resized() {
         let figures = &reports[0].figures;
         let names: Vec<&str> = figures.passes.keys().copied().collect();
         assert_eq!(of_methods(&names), ["bvh_update", "ambient"]);
-        assert!(names.contains(&"gbuffer") && names.ends_with(&["taa", "still"]), "{names:?}");
+        assert!(
+            names.contains(&"gbuffer")
+                && names.ends_with(&["still", "still_mean", "still_filter", "still_fade"]),
+            "{names:?}"
+        );
         assert!(figures.passes["ambient"] > 0.0 && figures.counters.get("ambient.lamps") == 1);
     }
 }

@@ -16,7 +16,7 @@ fn computed(settings: &Settings) -> u64 {
     // A tile is 16 x 16 texels, a block 8 x 8, and blocks begin anywhere; each has a number for each of 64 clusters.
     let [across, down] = settings.size.map(|side| u64::from(side.div_ceil(16 * set_step)));
     let tiles = 256 * (across * down + (2 * across + 1) * (2 * down + 1));
-    pixels * (if settings.antialiasing == Antialiasing::Taa { 116 } else { 84 })
+    pixels * (if settings.antialiasing == Antialiasing::Taa { 140 } else { 84 })
         + of_step(2) * 24
         + of_step(set_step) * (24 + 8 * sets)
         + tiles

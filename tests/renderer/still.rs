@@ -187,6 +187,20 @@ fn the_mean_of_sets_is_that_of_the_path_tracer() {
 }
 
 #[test]
+fn few_still_frames_are_nearer_to_the_truth_than_a_denoised_one() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = named_scene("cornell-box", None);
+    let settings = Settings { size: [48; 2], antialiasing: Antialiasing::None, ..Settings::default() };
+    let expected = reference(&scene, settings.size, settings.bounces, 1024).colour;
+    let [denoised, still] = [0, 1024].map(|still_frames| {
+        let renderer = gpu.rendered(&scene, &Settings { still_frames, ..settings.clone() }, 32);
+        error(&renderer.read_picture(false).unwrap().colour, &expected)
+    });
+    eprintln!("denoised {denoised:?}, still {still:?}");
+    assert!(still.0 < 0.7 * denoised.0 && (still.1 - 1.0).abs() < 0.02, "{denoised:?}, {still:?}");
+}
+
+#[test]
 fn a_light_with_few_paths_lights_all_pixels_alike() {
     let Some(gpu) = GpuFixture::open() else { return };
     // A candle far from a strong light gets so few paths that most sets have none.

@@ -117,7 +117,7 @@ fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut 
             let mut label = label.inner;
             if let Some(missing) = &scene.missing {
                 label =
-                    label.on_hover_text(format!("{} is not there: see README.md, scenes", missing.display()));
+                    label.on_hover_text(format!("{} is not there: see docs/SCENES.md", missing.display()));
             }
             place(ui, &mut state.places, &format!("scene {}", scene.name), &label);
             if label.clicked() {

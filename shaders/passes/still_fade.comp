@@ -1,0 +1,53 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The picture of a still frame: the denoised one, then with the filtered correction, then the mean of still frames, each as the standard
+// deviation of the next falls. In: correction before and after the filter, the mean, the denoised picture. Out: the picture.
+#include "frame.glsl"
+#include "rounded.glsl"
+#include "still.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = 1, rgba16f) uniform readonly image2D correction;
+layout(set = 0, binding = 2, rgba16f) uniform readonly image2D filtered;
+layout(set = 0, binding = 3, rgba32f) uniform readonly image2D mean;
+layout(set = 0, binding = 5, rgba16f) uniform readonly image2D direct;
+// The denoised picture before, unless that is `antialiased`; a: how much the pixel counts for automatic exposure.
+layout(set = 0, binding = 4, rgba16f) uniform image2D picture;
+layout(set = 0, binding = 6, rgba16f) uniform readonly image2D antialiased;
+layout(set = 0, binding = 12, std430) readonly buffer ExposureBlock { float factor; } exposure;
+
+layout(push_constant) uniform Push {
+    uint is_antialiased; // 1: the denoised picture is `antialiased`
+    float least_weight;  // of the mean in the picture
+} push;
+
+// Relative standard deviations up to which the filtered correction counts, and from which on it does not; likewise for the mean, whose
+// noise nothing blurs.
+const vec2 OF_CORRECTION = vec2(0.05, 0.5);
+const vec2 OF_MEAN = vec2(0.01, 0.1);
+
+float weight_of(float deviation, vec2 range) { return deviation == UNKNOWN ? 0.0 : 1.0 - smoothstep(range.x, range.y, deviation); }
+
+// That of the mean, around a pixel: where a pixel has not had its share of rare bright samples yet, its own is too small.
+float deviation_around(ivec2 pixel) {
+    vec2 sum = vec2(0.0);
+    for (int i = 0; i < 25; i++) {
+        ivec2 at = clamp(pixel + ivec2(i % 5, i / 5) - 2, ivec2(0), ivec2(frame.size) - 1);
+        float deviation = imageLoad(correction, at).a;
+        if (deviation != UNKNOWN) sum += vec2(deviation * deviation, 1.0);
+    }
+    return sum.y > 0.0 ? sqrt(sum.x / sum.y) : UNKNOWN;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
+    vec3 light = (push.is_antialiased == 1u ? imageLoad(antialiased, pixel) : imageLoad(picture, pixel)).rgb;
+    vec4 change = imageLoad(filtered, pixel);
+    light += weight_of(change.a, OF_CORRECTION) * change.rgb * visible(light, exposure.factor);
+    bool is_known = imageLoad(correction, pixel).a != UNKNOWN;
+    float weight = is_known ? max(weight_of(deviation_around(pixel), OF_MEAN), push.least_weight) : 0.0;
+    light = mix(light, imageLoad(mean, pixel).rgb, weight);
+    imageStore(picture, pixel, storable(vec4(light, imageLoad(direct, pixel).a)));
+}
