@@ -27,6 +27,9 @@ layout(push_constant) uniform Push {
 const vec2 OF_CORRECTION = vec2(0.05, 0.5);
 const vec2 OF_MEAN = vec2(0.01, 0.1);
 
+// What the surface around is too bright by may be more than the light of a dark pixel: the correction leaves so much of it.
+const float DARKEST = 0.25;
+
 float weight_of(float deviation, vec2 range) { return deviation == UNKNOWN ? 0.0 : 1.0 - smoothstep(range.x, range.y, deviation); }
 
 // That of the mean, around a pixel: where a pixel has not had its share of rare bright samples yet, its own is too small.
@@ -45,7 +48,8 @@ void main() {
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     vec3 light = (push.is_antialiased == 1u ? imageLoad(antialiased, pixel) : imageLoad(picture, pixel)).rgb;
     vec4 change = imageLoad(filtered, pixel);
-    light += weight_of(change.a, OF_CORRECTION) * change.rgb * visible(light, exposure.factor);
+    vec3 corrected = light + weight_of(change.a, OF_CORRECTION) * change.rgb * visible(light, exposure.factor);
+    light = max(corrected, DARKEST * light);
     bool is_known = imageLoad(correction, pixel).a != UNKNOWN;
     float weight = is_known ? max(weight_of(deviation_around(pixel), OF_MEAN), push.least_weight) : 0.0;
     light = mix(light, imageLoad(mean, pixel).rgb, weight);
