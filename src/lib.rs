@@ -29,7 +29,8 @@
 //! (`estimator`), methods side by side (`compare`). Settings by name, as on the command line: [`settings::Settings::from_table`].
 //!
 //! Features that are on by default: `window` ([`demo`], with `bench`), `bench` ([`mod@bench`], comparisons and plots), `export` ([`mod@export`]); off:
-//! `shader-reload`, `embree` (a tracer to compare with). The library alone is `default-features = false`. Rust 1.95 or newer, which is what its dependencies need; Vulkan 1.3 at run time.
+//! `shader-reload`, `embree` (a tracer to compare with). The library alone is `default-features = false`. Rust 1.95 or newer, which is what its
+//! dependencies need; Vulkan 1.3 at run time.
 //!
 //! Modules, from the bottom up (imports run downwards only):
 //!

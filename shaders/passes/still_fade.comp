@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The picture of a still frame: the denoised one, then with the filtered correction, then the mean of still frames, each as the standard
-// deviation of the next falls. In: correction before and after the filter, the mean, the denoised picture. Out: the picture.
+// deviation of the next falls. In: the filtered correction, but for its a, and its variance; the mean; the denoised picture. Out: the picture.
 #include "frame.glsl"
 #include "rounded.glsl"
 #include "still.glsl"
@@ -9,7 +9,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(set = 0, binding = 1, rgba16f) uniform readonly image2D correction;
-layout(set = 0, binding = 2, rgba16f) uniform readonly image2D filtered;
+layout(set = 0, binding = 2, r32f) uniform readonly image2D variance;
 layout(set = 0, binding = 3, rgba32f) uniform readonly image2D mean;
 layout(set = 0, binding = 5, rgba16f) uniform readonly image2D direct;
 // The denoised picture before, unless that is `antialiased`; a: how much the pixel counts for automatic exposure.
@@ -30,28 +30,28 @@ const vec2 OF_MEAN = vec2(0.01, 0.1);
 // What the surface around is too bright by may be more than the light of a dark pixel: the correction leaves so much of it.
 const float DARKEST = 0.25;
 
-float weight_of(float deviation, vec2 range) { return deviation == UNKNOWN ? 0.0 : 1.0 - smoothstep(range.x, range.y, deviation); }
+float weight_of(float deviation, vec2 range) { return 1.0 - smoothstep(range.x, range.y, deviation); }
 
-// That of the mean, around a pixel: where a pixel has not had its share of rare bright samples yet, its own is too small.
+// Deviation of the mean around a pixel: where rare bright samples have not come to a pixel yet, its own is too small.
 float deviation_around(ivec2 pixel) {
     vec2 sum = vec2(0.0);
     for (int i = 0; i < 25; i++) {
         ivec2 at = clamp(pixel + ivec2(i % 5, i / 5) - 2, ivec2(0), ivec2(frame.size) - 1);
         float deviation = imageLoad(correction, at).a;
-        if (deviation != UNKNOWN) sum += vec2(deviation * deviation, 1.0);
+        if (deviation > 0.0) sum += vec2(deviation * deviation, 1.0);
     }
-    return sum.y > 0.0 ? sqrt(sum.x / sum.y) : UNKNOWN;
+    return sqrt(sum.x / sum.y);
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     vec3 light = (push.is_antialiased == 1u ? imageLoad(antialiased, pixel) : imageLoad(picture, pixel)).rgb;
-    vec4 change = imageLoad(filtered, pixel);
-    vec3 corrected = light + weight_of(change.a, OF_CORRECTION) * change.rgb * visible(light, exposure.factor);
-    light = max(corrected, DARKEST * light);
-    bool is_known = imageLoad(correction, pixel).a != UNKNOWN;
-    float weight = is_known ? max(weight_of(deviation_around(pixel), OF_MEAN), push.least_weight) : 0.0;
-    light = mix(light, imageLoad(mean, pixel).rgb, weight);
+    vec4 filtered = imageLoad(correction, pixel);
+    float weight = weight_of(sqrt(imageLoad(variance, pixel).r), OF_CORRECTION);
+    light = max(light + weight * filtered.rgb * visible(light, exposure.factor), DARKEST * light);
+    if (filtered.a > 0.0) {
+        light = mix(light, imageLoad(mean, pixel).rgb, max(weight_of(deviation_around(pixel), OF_MEAN), push.least_weight));
+    }
     imageStore(picture, pixel, storable(vec4(light, imageLoad(direct, pixel).a)));
 }

@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Progressive accumulation: the mean of raw radiance, before all denoisers, over the frames in which nothing changes. In: everything that
-// radiance is made of, as sampled; the denoised picture. Out: the mean; what it corrects in the denoised picture.
+// radiance is made of, as sampled; the denoised picture. Out: the mean; what it corrects in the denoised picture, and the
+// variance of that.
 #include "frame.glsl"
 #include "radiance.glsl"
 #include "rounded.glsl"
@@ -15,6 +16,7 @@ layout(set = 0, binding = 4, rgba16f) uniform readonly image2D denoised;
 // a: sum of the squared differences of luminance from its mean (Welford 1962).
 layout(set = 0, binding = 11, rgba32f) uniform image2D mean;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D correction;
+layout(set = 0, binding = 14, r32f) uniform writeonly image2D variance;
 layout(set = 0, binding = 12, std430) readonly buffer ExposureBlock { float factor; } exposure;
 
 layout(push_constant) uniform Push {
@@ -38,9 +40,12 @@ vec4 added(vec4 before, vec3 raw, float count) {
 // Weight in the variance of what the denoised picture knows better: few samples that are all dark seem to have no variance.
 const float DISAGREEMENT = 4.0;
 
+// Of a mean without noise: 0 stands for one without samples.
+const float LEAST_DEVIATION = 1e-4;
+
 // Standard deviation of the luminance of the mean.
-float deviation(vec4 mean, float known, float count) {
-    float difference = known - luminance(mean.rgb);
+float deviation(vec4 mean, float denoised, float count) {
+    float difference = denoised - luminance(mean.rgb);
     float squares = max(mean.a, 0.0) + DISAGREEMENT * difference * difference;
     return sqrt(squares / (count * max(count - 1.0, 0.5)));
 }
@@ -56,11 +61,13 @@ void main() {
         average = added(average, radiance_at(pixel, irradiance).rgb, count);
         imageStore(mean, pixel, average);
     }
-    vec4 corrected = vec4(0.0, 0.0, 0.0, UNKNOWN);
+    vec4 difference = vec4(0.0);
     if (count > 0.0) {
-        vec3 known = imageLoad(denoised, pixel).rgb;
-        float light = luminance(known);
-        corrected = vec4((average.rgb - known) / visible(known, exposure.factor), deviation(average, light, count) / visible(vec3(light), exposure.factor).r);
+        vec3 light = imageLoad(denoised, pixel).rgb;
+        vec3 relative_to = visible(light, exposure.factor);
+        float relative = deviation(average, luminance(light), count) / luminance(relative_to);
+        difference = vec4((average.rgb - light) / relative_to, max(relative, LEAST_DEVIATION));
     }
-    imageStore(correction, pixel, storable(corrected));
+    imageStore(correction, pixel, storable(difference));
+    imageStore(variance, pixel, vec4(difference.a * difference.a));
 }

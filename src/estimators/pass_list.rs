@@ -33,7 +33,7 @@ const PICTURE: [PassInfo; 9] = [
     PassInfo::new("taa", [188, 128, 189]),
     PassInfo::new("still", [208, 168, 209]),
     PassInfo::part("still", "still_mean", [208, 168, 209]),
-    PassInfo::part("still", "still_filter", [222, 190, 223]),
+    PassInfo::part("still", "still_spatial_filter", [222, 190, 223]),
     PassInfo::part("still", "still_fade", [190, 145, 192]),
 ];
 

@@ -16,6 +16,7 @@ pub mod history;
 pub mod hits;
 pub mod overlay;
 pub mod reprojection;
+pub mod spatial_filter;
 pub mod still;
 pub mod taa;
 pub mod thin_surfaces;

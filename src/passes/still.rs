@@ -11,11 +11,15 @@ use bytemuck::{Pod, Zeroable};
 
 use super::combine::CombineInputs;
 use super::frame_inputs::FrameInputs;
+use super::spatial_filter::{FilteredSignal, SpatialFilter};
 use super::storage_image;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// Levels of the filter, each with twice the distance between taps.
-const LEVELS: u32 = 4;
+/// Levels of the filter.
+const LEVELS: u32 = 5;
+
+/// Pixels of 2 x 2 have samples of different sets, so their means differ: the filter's first level evens that out, whatever the difference.
+const FIRST_TOLERANCE: f32 = 1e4;
 
 /// Share of the frames from which on the picture fades to the mean, however noisy that is.
 const FADE_START: f32 = 0.5;
@@ -64,14 +68,14 @@ struct FadePush {
 /// The stage.
 pub struct StillPass {
     accumulate: ComputePipeline,
-    filter: ComputePipeline,
+    filter: SpatialFilter,
     fade: ComputePipeline,
     /// rgb: mean radiance; a: squared differences of its luminance, added up.
     mean: Image,
     /// What the mean corrects in the denoised picture, as shaders/include/still.glsl has it.
     correction: Image,
-    /// After a level of the filter, in turns.
-    filtered: [Image; 2],
+    /// Variance of its luminance.
+    variance: Image,
     /// Frames in the mean of each pixel of 2 x 2.
     counts: [u32; 4],
 }
@@ -80,7 +84,6 @@ impl StillPass {
     /// Makes the pipelines, for a scene with thin surfaces or without, and the images, of `extent` texels: 40 bytes a pixel.
     pub fn new(device: &Arc<Device>, thin_surfaces: bool, extent: [u32; 2]) -> Result<Self, VulkanError> {
         let constants = [u32::from(thin_surfaces)];
-        let correction = |name| storage_image(device, name, vk::Format::R16G16B16A16_SFLOAT, extent);
         Ok(Self {
             accumulate: ComputePipeline::specialised(
                 device,
@@ -88,11 +91,11 @@ impl StillPass {
                 shaders::STILL_MEAN_COMP,
                 &constants,
             )?,
-            filter: ComputePipeline::new(device, "still_filter", shaders::STILL_FILTER_COMP)?,
+            filter: SpatialFilter::new(device, "still_spatial_filter", extent)?,
             fade: ComputePipeline::new(device, "still_fade", shaders::STILL_FADE_COMP)?,
             mean: storage_image(device, "still mean", vk::Format::R32G32B32A32_SFLOAT, extent)?,
-            correction: correction("still correction")?,
-            filtered: [correction("filtered correction 0")?, correction("filtered correction 1")?],
+            correction: storage_image(device, "correction", vk::Format::R16G16B16A16_SFLOAT, extent)?,
+            variance: storage_image(device, "correction variance", vk::Format::R32_SFLOAT, extent)?,
             counts: [0; 4],
         })
     }
@@ -106,25 +109,24 @@ impl StillPass {
         picture: &Image,
     ) -> Result<(), VulkanError> {
         self.accumulate(frame, inputs, still, still.antialiased.unwrap_or(picture))?;
-        let mut from = &self.correction;
-        for (level, to) in (0..LEVELS).zip(self.filtered.iter().cycle()) {
-            frame
-                .pass("still_filter", &self.filter)
-                .read("frame_uniforms", inputs.uniforms)
-                .read("gbuffer_depth", &inputs.gbuffer.depth)
-                .read("gbuffer_normal", &inputs.gbuffer.normal)
-                .read("noisy", from)
-                .write("filtered", to)
-                .push(&(1i32 << level))
-                .dispatch_over(self.mean.extent())?;
-            from = to;
-        }
+        self.filter.record(
+            frame,
+            &FilteredSignal {
+                uniforms: inputs.uniforms,
+                depth: &inputs.gbuffer.depth,
+                normal: &inputs.gbuffer.normal,
+                noisy: &self.correction,
+                variance: &self.variance,
+                levels: LEVELS,
+                first_tolerance: FIRST_TOLERANCE,
+            },
+        )?;
         let fade = (inputs.clock.progress() - FADE_START) / (1.0 - FADE_START);
         frame
             .pass("still_fade", &self.fade)
             .read("frame_uniforms", inputs.uniforms)
-            .read("correction", &self.correction)
-            .read("filtered", from)
+            .read("correction", self.filter.output())
+            .read("variance", self.filter.variance())
             .read("mean", &self.mean)
             .read("direct", still.raw.direct)
             // Where there is none, another image of the format is bound, and not read.
@@ -170,6 +172,7 @@ impl StillPass {
             .read("exposure", still.exposure)
             .write("mean", &self.mean)
             .write("correction", &self.correction)
+            .write("variance", &self.variance)
             .push(&push)
             .dispatch_over(self.mean.extent())
     }

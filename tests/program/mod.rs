@@ -124,6 +124,6 @@ pub const PASS_NAMES: [&str; 43] = [
     "taa",
     "still",
     "still_mean",
-    "still_filter",
+    "still_spatial_filter",
     "still_fade",
 ];

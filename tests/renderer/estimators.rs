@@ -129,7 +129,7 @@ fn a_toy_estimator_is_shown_timed_counted_and_resized() {
         assert_eq!(of_methods(&names), ["bvh_update", "ambient"]);
         assert!(
             names.contains(&"gbuffer")
-                && names.ends_with(&["still", "still_mean", "still_filter", "still_fade"]),
+                && names.ends_with(&["still", "still_mean", "still_spatial_filter", "still_fade"]),
             "{names:?}"
         );
         assert!(figures.passes["ambient"] > 0.0 && figures.counters.get("ambient.lamps") == 1);

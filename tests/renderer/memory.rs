@@ -1,10 +1,10 @@
-//! Device memory is what ARCHITECTURE.md says.
+//! Device memory is what docs/PERFORMANCE.md says.
 
 use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
 
 use super::support::{GpuFixture, named_scene, plain};
 
-/// Bytes that grow with the picture and the VPLs, as in ARCHITECTURE.md, "Memory".
+/// Bytes that grow with the picture and the VPLs, as in docs/PERFORMANCE.md, "Memory".
 fn computed(settings: &Settings) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
     let of_step =

@@ -21,12 +21,10 @@ layout(set = 0, binding = 6, r32f) uniform writeonly image2D filtered_variance;
 #include "surface.glsl"
 
 layout(push_constant) uniform Push {
-    int step;   // texels between taps
-    int pixels; // from one texel to the next
+    int step;        // texels between taps
+    int pixels;      // from one texel to the next
+    float tolerance; // standard deviations by which luminances on one surface may differ
 } push;
-
-// Standard deviations by which luminances on one surface may differ.
-const float LUMINANCE_TOLERANCE = 3.0;
 
 // Most that a tap on another surface weighs. A surface one texel wide has no others.
 const float OTHER_SURFACE = 0.5;
@@ -76,7 +74,7 @@ void main() {
                 && same_surface(d, centre.geometric, octahedral_decode(normals.zw), centre.depth);
             float tap_variance = imageLoad(noisy_variance, at).r;
             // Of both texels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
-            float tolerance = LUMINANCE_TOLERANCE * 0.5 * (deviation + sqrt(tap_variance));
+            float tolerance = push.tolerance * 0.5 * (deviation + sqrt(tap_variance));
             float likeness = exp(-abs(luminance(tap.rgb) - light) / tolerance);
             float surfaces = same ? 1.0 : known ? other_surface * neighbour_weight(cosine, d / footprint) : 0.0;
             float weight = weight_at(offset.x) * weight_at(offset.y) * likeness * surfaces;
