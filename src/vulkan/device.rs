@@ -1,6 +1,7 @@
 //! The logical device, its queue and allocator, and one-time submissions.
 
 use std::mem::ManuallyDrop;
+use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{ext, vk};
@@ -10,20 +11,42 @@ use super::instance::creation_lock;
 use super::loss::Loss;
 use super::meter::MemoryMeter;
 use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
-use super::pipeline::{Compute, ComputeKey, Graphics, GraphicsDescription, Living};
+use super::pipeline::{Compute, ComputeKey, Graphics, GraphicsDescription, PipelineCache};
 use super::ray_query::RayQueries;
 use super::shared_set::SharedLayout;
 use super::{Instance, Surface, VulkanError};
 
+/// The handle and functions of a logical device, destroyed when the [`Device`] and all that it made are gone.
+pub(super) struct RawDevice {
+    functions: ash::Device,
+    _instance: Arc<Instance>,
+}
+
+impl Deref for RawDevice {
+    type Target = ash::Device;
+
+    fn deref(&self) -> &ash::Device {
+        &self.functions
+    }
+}
+
+impl Drop for RawDevice {
+    fn drop(&mut self) {
+        let _guard = creation_lock();
+        // SAFETY: every object of the device holds an `Arc` of this or of the `Device`, so none is left.
+        unsafe { self.functions.destroy_device(None) };
+    }
+}
+
 /// A logical device with one queue for graphics, compute and transfers.
 pub struct Device {
-    raw: ash::Device,
+    raw: Arc<RawDevice>,
     debug: Option<ext::debug_utils::Device>,
     ray_queries: Option<RayQueries>,
     allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
     memory: MemoryMeter,
-    compute_pipelines: Living<ComputeKey, Compute>,
-    graphics_pipelines: Living<GraphicsDescription, Graphics>,
+    compute_pipelines: PipelineCache<ComputeKey, Compute>,
+    graphics_pipelines: PipelineCache<GraphicsDescription, Graphics>,
     shared_layout: SharedLayout,
     limits: vk::PhysicalDeviceLimits,
     physical: vk::PhysicalDevice,
@@ -84,14 +107,15 @@ impl Device {
             (queue, instance.raw().get_physical_device_properties(physical))
         };
         let debug = instance.has_debug_utils().then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
+        let raw = Arc::new(RawDevice { functions: raw, _instance: Arc::clone(instance) });
         Ok(Arc::new(Self {
             raw,
             debug,
             ray_queries,
             allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
             memory: MemoryMeter::default(),
-            compute_pipelines: Living::default(),
-            graphics_pipelines: Living::default(),
+            compute_pipelines: PipelineCache::default(),
+            graphics_pipelines: PipelineCache::default(),
             shared_layout,
             limits: properties.limits,
             physical,
@@ -163,6 +187,11 @@ impl Device {
         &self.raw
     }
 
+    /// For objects that the device itself keeps, which an `Arc<Device>` would keep alive for ever.
+    pub(super) fn shared_raw(&self) -> Arc<RawDevice> {
+        Arc::clone(&self.raw)
+    }
+
     pub(super) fn instance(&self) -> &Arc<Instance> {
         &self.instance
     }
@@ -197,11 +226,11 @@ impl Device {
         &self.memory
     }
 
-    pub(super) fn compute_pipelines(&self) -> &Living<ComputeKey, Compute> {
+    pub(super) fn compute_pipelines(&self) -> &PipelineCache<ComputeKey, Compute> {
         &self.compute_pipelines
     }
 
-    pub(super) fn graphics_pipelines(&self) -> &Living<GraphicsDescription, Graphics> {
+    pub(super) fn graphics_pipelines(&self) -> &PipelineCache<GraphicsDescription, Graphics> {
         &self.graphics_pipelines
     }
 
@@ -280,14 +309,12 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: every object of the device holds an `Arc` of it, so none is left; the allocator is
-        // dropped before the device.
+        // SAFETY: every buffer and image holds an `Arc` of the device, so none is left; the allocator is dropped once, before
+        // the raw device; pipelines may outlive the layout of a set.
         unsafe {
             let _ = self.raw.device_wait_idle();
             ManuallyDrop::drop(&mut self.allocator);
             self.raw.destroy_descriptor_set_layout(self.shared_layout.raw, None);
-            let _guard = creation_lock();
-            self.raw.destroy_device(None);
         }
     }
 }

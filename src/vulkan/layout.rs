@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
+use super::device::RawDevice;
 use super::reflect::{Binding, BindingKind};
 use super::shared_set::SHARED_SET;
 use super::{Device, Reflection, VulkanError};
@@ -36,12 +37,12 @@ pub(super) struct Layout {
     pub shares: bool,
     pub reflection: Reflection,
     pub stages: vk::ShaderStageFlags,
-    pub device: Arc<Device>,
+    pub device: Arc<RawDevice>,
 }
 
 impl Layout {
     pub(super) fn new(
-        device: &Arc<Device>,
+        device: &Device,
         name: &str,
         reflection: Reflection,
         stages: vk::ShaderStageFlags,
@@ -59,7 +60,7 @@ impl Layout {
             shares,
             reflection,
             stages,
-            device: Arc::clone(device),
+            device: device.shared_raw(),
         };
         for set in [PASS_SET, SHARED_SET, MATERIAL_SET] {
             if set == SHARED_SET {
@@ -116,9 +117,9 @@ impl Drop for Layout {
     fn drop(&mut self) {
         // SAFETY: the owner waits for the device before dropping a pipeline that a submitted frame uses.
         unsafe {
-            self.device.raw().destroy_pipeline_layout(self.raw, None);
+            self.device.destroy_pipeline_layout(self.raw, None);
             for (_, set) in self.sets.iter().enumerate().filter(|(set, _)| *set != SHARED_SET as usize) {
-                self.device.raw().destroy_descriptor_set_layout(*set, None);
+                self.device.destroy_descriptor_set_layout(*set, None);
             }
         }
     }

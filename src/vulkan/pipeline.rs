@@ -1,10 +1,11 @@
 //! Compute and graphics pipelines.
 //!
-//! Each device remembers those that live, so that a renderer for another scene compiles no shader again.
+//! A device keeps each one that it made until it goes, so that no shader is compiled twice: not for another scene, nor for a
+//! method that comes back.
 
 use std::collections::HashMap;
 use std::hash::Hash;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::vk;
 
@@ -13,7 +14,7 @@ use super::layout::Layout;
 use super::reload::newest;
 use super::{Device, Reflection, VulkanError};
 
-/// A compute pipeline with its layout. Clones, and those that are made of the same shader while it lives, share it.
+/// A compute pipeline with its layout. Clones, and those of the same shader and constants on one device, share it.
 #[derive(Clone)]
 pub struct ComputePipeline(pub(super) Arc<Compute>);
 
@@ -47,7 +48,7 @@ impl ComputePipeline {
     ) -> Result<Self, VulkanError> {
         let spirv = newest(spirv);
         let make = || Compute::new(device, name, spirv, constants);
-        device.compute_pipelines().share((spirv, constants.to_vec()), make).map(Self)
+        device.compute_pipelines().get_or_create((spirv, constants.to_vec()), make).map(Self)
     }
 
     /// The shader's bindings, push constants and group size.
@@ -77,7 +78,7 @@ impl Compute {
 impl Drop for Compute {
     fn drop(&mut self) {
         // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
-        unsafe { self.layout.device.raw().destroy_pipeline(self.raw, None) };
+        unsafe { self.layout.device.destroy_pipeline(self.raw, None) };
     }
 }
 
@@ -103,7 +104,7 @@ pub struct GraphicsDescription {
 }
 
 /// Vertex and fragment shader with fixed state: triangles, reversed depth (greater is nearer) or
-/// none. Clones, and those that are made of the same description while it lives, share it.
+/// none. Clones, and those of the same description on one device, share it.
 #[derive(Clone)]
 pub struct GraphicsPipeline(pub(super) Arc<Graphics>);
 
@@ -118,7 +119,7 @@ impl GraphicsPipeline {
     pub fn new(device: &Arc<Device>, description: &GraphicsDescription) -> Result<Self, VulkanError> {
         let [vertex, fragment] = [description.vertex, description.fragment].map(newest);
         let newest = GraphicsDescription { vertex, fragment, ..*description };
-        device.graphics_pipelines().share(newest, || Graphics::new(device, &newest)).map(Self)
+        device.graphics_pipelines().get_or_create(newest, || Graphics::new(device, &newest)).map(Self)
     }
 }
 
@@ -152,7 +153,7 @@ impl Drop for Graphics {
     fn drop(&mut self) {
         for variant in &self.variants {
             // SAFETY: the owner waits for the device before dropping what a submitted frame uses.
-            unsafe { self.layout.device.raw().destroy_pipeline(*variant, None) };
+            unsafe { self.layout.device.destroy_pipeline(*variant, None) };
         }
     }
 }
@@ -292,33 +293,30 @@ impl Drop for ShaderModule {
     }
 }
 
-/// What lives of a kind, by what it was made of.
-pub(super) struct Living<Key, Made>(Mutex<HashMap<Key, Weak<Made>>>);
+/// The pipelines of a kind that a device has made, by what they were made of.
+pub(super) struct PipelineCache<Key, Pipeline>(Mutex<HashMap<Key, Arc<Pipeline>>>);
 
-impl<Key, Made> Default for Living<Key, Made> {
+impl<Key, Pipeline> Default for PipelineCache<Key, Pipeline> {
     fn default() -> Self {
         Self(Mutex::default())
     }
 }
 
-impl<Key: Hash + Eq, Made> Living<Key, Made> {
-    /// What lives of this key, or what `make` makes.
-    fn share(
+impl<Key: Hash + Eq, Pipeline> PipelineCache<Key, Pipeline> {
+    /// The pipeline of this key; `create` is called where there is none.
+    fn get_or_create(
         &self,
         key: Key,
-        make: impl FnOnce() -> Result<Made, VulkanError>,
-    ) -> Result<Arc<Made>, VulkanError> {
+        create: impl FnOnce() -> Result<Pipeline, VulkanError>,
+    ) -> Result<Arc<Pipeline>, VulkanError> {
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let living = lock().get(&key).and_then(Weak::upgrade);
-        if let Some(made) = living {
-            return Ok(made);
+        let known = lock().get(&key).cloned();
+        if let Some(pipeline) = known {
+            return Ok(pipeline);
         }
-        // Others may share what lives meanwhile.
-        let made = Arc::new(make()?);
-        let mut all = lock();
-        all.retain(|_, made| made.strong_count() > 0);
-        all.insert(key, Arc::downgrade(&made));
-        Ok(made)
+        // Without the lock: other threads create other pipelines meanwhile.
+        let created = Arc::new(create()?);
+        Ok(Arc::clone(lock().entry(key).or_insert(created)))
     }
 }
 
@@ -327,12 +325,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_lives_is_shared_and_what_has_died_is_made_again() {
-        let living = Living::default();
-        let share = |key, made| living.share(key, || Ok(made)).unwrap();
-        let first = share("a", 1);
-        assert_eq!([*share("a", 2), *share("b", 3)], [1, 3]);
-        drop(first);
-        assert_eq!(*share("a", 4), 4);
+    fn a_pipeline_is_created_once_and_kept() {
+        let cache = PipelineCache::default();
+        let get = |key, pipeline| *cache.get_or_create(key, || Ok(pipeline)).unwrap();
+        assert_eq!([get("a", 1), get("a", 2), get("b", 3), get("a", 4)], [1, 1, 3, 1]);
+    }
+
+    #[test]
+    fn a_failure_is_not_kept() {
+        let cache = PipelineCache::default();
+        assert!(cache.get_or_create("a", || Err(VulkanError::NoDevice(String::new()))).is_err());
+        assert_eq!(*cache.get_or_create("a", || Ok(1)).unwrap(), 1);
     }
 }

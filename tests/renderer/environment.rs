@@ -6,7 +6,8 @@ use glam::Vec3;
 use glowworm::scene::{Environment, EnvironmentMap, Scene};
 use glowworm::settings::Settings;
 
-use super::reference::{check_against_reference, reference};
+use super::reference::check_against_reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, exact, indirect, layer, luminance, mean, plain, quantile, scene};
 use super::{forgetting, support};
 
@@ -96,7 +97,7 @@ fn a_convex_object_under_a_constant_sky_receives_pi_l() {
 
 #[test]
 fn a_court_under_a_sunny_sky_is_lit_as_in_the_reference() {
-    check_against_reference(&under(sky(0.4), COURT), 1, 32_768);
+    check_against_reference("court", &under(sky(0.4), COURT), 1, 32_768);
 }
 
 #[test]
@@ -104,7 +105,7 @@ fn the_map_is_seen_as_in_the_reference() {
     let Some(gpu) = GpuFixture::open() else { return };
     let empty = under(sky(1.0), "[camera]\neye = [0, 0, 0]\ntarget = [-0.1, 0.5, -1]\nvfov_deg = 100\n");
     let drawn = gpu.rendered(&empty, &exact([48; 2]), 1).read_picture(true).unwrap();
-    let reference = reference(&empty, [48; 2], 2, 1);
+    let reference = reference("sky", &empty, [48; 2], 2, 1);
     for (a, b) in layer(&drawn, "direct").iter().zip(layer(&reference, "direct")) {
         // Texels have mantissas of nine bits.
         let most = b.iter().copied().fold(0.0, f32::max);
@@ -122,7 +123,7 @@ fn a_sun_in_the_map_makes_no_fireflies() {
     let scene = under(sky(0.4), COURT);
     let settings = Settings { size: [64, 48], ..plain() };
     let drawn = indirect(&gpu.rendered(&scene, &settings, 16));
-    let reference = layer(&reference(&scene, settings.size, settings.bounces, 512), "indirect");
+    let reference = layer(&reference("court", &scene, settings.size, settings.bounces, 512), "indirect");
     let usual = mean(reference.iter().map(luminance));
     for (pixel, reference) in drawn.iter().zip(&reference) {
         let most = 10.0 * luminance(reference).max(0.05 * usual);

@@ -10,7 +10,7 @@ use glowworm::settings::{
 };
 
 use super::paths::corner;
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, layer, luminance, mean, named_scene, plain};
 
 const SIDE: u32 = 48;
@@ -73,7 +73,7 @@ fn rmse(light: &[[f32; 3]], expected: &[[f32; 3]]) -> f32 {
 fn no_filter_loses_light_or_adds_any() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
-    let of = |bounces| layer(&reference(&scene, [SIDE; 2], bounces, 512), "indirect");
+    let of = |bounces| layer(&reference("cornell-box", &scene, [SIDE; 2], bounces, 512), "indirect");
     let (expected, of_all) = (of(BOUNCES), of(ALL_BOUNCES));
     let raw =
         rmse(&frames(&gpu, &scene, &by(PathFilter::None, CellSettings::default()), [0, 1])[1], &expected);
@@ -133,7 +133,8 @@ fn a_furnace_has_the_light_of_its_series() {
 fn direct_light_of_other_passes_counts_once() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = corner("[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]");
-    let expected = mean_light(&layer(&reference(&scene, [SIDE; 2], ALL_BOUNCES, 512), "indirect"));
+    let expected =
+        mean_light(&layer(&reference("corner-point", &scene, [SIDE; 2], ALL_BOUNCES, 512), "indirect"));
     for filter in [PathFilter::Nhpsf, PathFilter::ANhpsf, PathFilter::Cache] {
         let [average, _] = frames(&gpu, &scene, &by(filter, CellSettings::default()), [40, 20]);
         let ratio = mean_light(&average) / expected;
@@ -251,7 +252,7 @@ fn a_full_map_drops_counts_and_keeps_the_mean() {
     let scene = named_scene("cornell-box", None);
     let cells = CellSettings { capacity: 256, probes: 8, ..CellSettings::default() };
     let settings = Settings { cells: CellSettings { width: 1.0, ..cells }, ..by(PathFilter::Hpsf, cells) };
-    let expected = layer(&reference(&scene, [SIDE; 2], BOUNCES, 512), "indirect");
+    let expected = layer(&reference("cornell-box", &scene, [SIDE; 2], BOUNCES, 512), "indirect");
     let [average, _] = frames(&gpu, &scene, &settings, [8, 48]);
     let ratio = mean_light(&average) / mean_light(&expected);
     assert!((ratio - 1.0).abs() < 0.03, "the mean is {ratio} of the reference's");
@@ -291,7 +292,7 @@ fn light_that_is_switched_off_is_forgotten_and_reruns_are_the_same() {
 /// 2,000 frames of flight to random places need no more cells than the first ones and no more memory, and leave nothing behind.
 #[test]
 fn a_long_flight_needs_no_more_cells_and_leaves_no_light() {
-    let Some(gpu) = GpuFixture::open() else { return };
+    let Some(gpu) = GpuFixture::open_alone() else { return };
     let scene = named_scene("cornell-box", None);
     let settings = Settings { size: [24; 2], ..by(PathFilter::Cache, CellSettings::default()) };
     let home = scene.pose(0.0);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec2, Vec3};
 use glowworm::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene, SpotFalloff};
 
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, exact, layer, luminance, mean};
 
 const SIZE: [u32; 2] = [48, 48];
@@ -63,7 +63,7 @@ fn glossy_floors_light_the_wall_where_they_mirror_the_light() {
     let brass = Material { metallic: 1.0, ..glossy.clone() };
     for (floor, name) in [(glossy, "varnish"), (brass, "brass")] {
         let scene = wall_behind(floor);
-        let expected = reference(&scene, SIZE, 1, 400);
+        let expected = reference(&format!("glossy-floor-{name}"), &scene, SIZE, 1, 400);
         let found = gpu.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
         // Of the wall only; the upper and the lower half of the picture.
         let is_wall: Vec<bool> = layer(&expected, "normal").iter().map(|normal| normal[2] > 0.5).collect();

@@ -13,7 +13,7 @@ use glowworm::settings::Settings;
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgba};
 use serde_json::{Value, json};
 
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, exact};
 
 /// A glTF file of quads.
@@ -143,7 +143,7 @@ impl File {
 
 /// Pictures by raster and by the path tracer, with layers and one bounce.
 pub fn pictures(scene: Scene, size: [u32; 2], spp: u64) -> Vec<(&'static str, Picture)> {
-    let mut pictures = vec![("reference", reference(&scene, size, 1, spp))];
+    let mut pictures = vec![("reference", reference("gltf", &scene, size, 1, spp))];
     if let Some(gpu) = GpuFixture::open() {
         let settings = Settings { bounces: 1, ..exact(size) };
         let rendered = gpu.rendered(&Arc::new(scene), &settings, 1).read_picture(true).unwrap();

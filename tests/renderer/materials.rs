@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec2, Vec3};
 use glowworm::scene::{Camera, Instance, Light, LightKind, Material, Mesh, Scene, Texture};
 
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, exact, layer};
 
 const SIZE: [u32; 2] = [96, 72];
@@ -73,7 +73,7 @@ pub fn floor() -> Scene {
 fn pixels_have_the_material_that_the_path_tracer_sees() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = floor();
-    let expected = reference(&scene, SIZE, 0, 1);
+    let expected = reference("floor", &scene, SIZE, 0, 1);
     let rendered = gpu.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
     let covered = layer(&expected, "normal");
     for (name, share) in [("albedo", 0.02), ("direct", 0.04)] {

@@ -31,7 +31,7 @@ fn of_thin_surfaces(settings: &Settings, lights: u64) -> u64 {
 
 #[test]
 fn thin_surfaces_take_what_they_say() {
-    let Some(gpu) = GpuFixture::open() else { return };
+    let Some(gpu) = GpuFixture::open_alone() else { return };
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write("pane.obj", "mtllib pane.mtl\nusemtl pane\nv -1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -59,7 +59,7 @@ fn thin_surfaces_take_what_they_say() {
 
 #[test]
 fn memory_grows_as_computed() {
-    let Some(gpu) = GpuFixture::open() else { return };
+    let Some(gpu) = GpuFixture::open_alone() else { return };
     let scene = named_scene("cornell-box", None);
     let used = |settings: &Settings| {
         let renderer = gpu.rendered(&scene, settings, 1);

@@ -7,9 +7,9 @@ use glowworm::settings::{
     Antialiasing, Denoise, Direct, EffectSettings, Noise, Reflections, Settings, VplSettings,
 };
 
-use super::reference::reference;
 use super::reflections::{FRAMES, SIZE, SKY, settings, stage};
 use super::still::{self, check_stillness_from, frozen};
+use super::support::golden::reference;
 use super::support::{GpuFixture, channel, exact, layer, luminance, mean, scene};
 
 /// A closed room with a mirror on its far wall, seen from a place where the mirror shows the wall behind the camera too.
@@ -69,7 +69,10 @@ fn a_mirror_shows_the_light_of_vpls() {
             let pixels = reflected.into_iter().zip(&is_mirror);
             mean(pixels.filter(|(_, is_mirror)| **is_mirror).map(|(pixel, _)| luminance(&pixel)))
         };
-        let reference = of(layer(&reference(&scene, size, bounces + 1, 512), "reflected"));
+        let reference = of(layer(
+            &reference(&format!("mirror-{roughness}"), &scene, size, bounces + 1, 512),
+            "reflected",
+        ));
         let ours = of(gpu.mean_of_frames(&scene, &settings, 24, |picture| layer(picture, "reflected")));
         assert!(
             (ours / reference - 1.0).abs() < 0.03,
@@ -97,16 +100,16 @@ translation = [0, 3, -1.2]
 rotation = [90, 0, 0]
 "#;
     let mirror = "albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1";
-    let reflected = |more: &str| {
+    let reflected = |name: &str, more: &str| {
         let scene = stage(mirror, more);
         let picture = gpu.rendered(&scene, &settings(Denoise::NONE), FRAMES).read_picture(true).unwrap();
-        let reference = reference(&scene, SIZE, 1, 256);
+        let reference = reference(name, &scene, SIZE, 1, 256);
         [picture, reference].map(|picture| {
             let pixels = layer(&picture, "reflected");
             [0, 1, 2].map(|i| mean(pixels.iter().map(|pixel| pixel[i])))
         })
     };
-    let ([tinted, reference], [clear, _]) = (reflected(pane), reflected(""));
+    let ([tinted, reference], [clear, _]) = (reflected("mirror-behind-pane", pane), reflected("mirror", ""));
     eprintln!("{tinted:?}, {reference:?} in the path tracer, {clear:?} without the thin surface");
     for i in 0..3 {
         assert!((tinted[i] / reference[i] - 1.0).abs() < 0.02, "{tinted:?}, {reference:?}");
@@ -267,7 +270,8 @@ fn panes_reflect_what_is_in_front_of_them() {
             let settings = Settings { seed, ..settings.clone() };
             gpu.rendered(&scene, &settings, 330).read_picture(true).unwrap().colour
         });
-        let reference = reference(&scene, SIZE, settings.bounces, 512).colour;
+        let reference =
+            reference(&format!("room-mirror-{roughness}"), &scene, SIZE, settings.bounces, 512).colour;
         for (what, columns) in [("nothing", 30..48), ("a mirror", 53..62)] {
             let of = |picture: &[[f32; 3]]| {
                 let place = |at: &usize| columns.contains(&(at % 96)) && (18..30).contains(&(at / 96));

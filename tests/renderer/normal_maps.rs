@@ -8,7 +8,7 @@ use glowworm::formats::load_scene;
 use glowworm::scene::{Camera, Scene};
 use serde_json::{Value, json};
 
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, exact, layer};
 
 const SIZE: [u32; 2] = [64, 64];
@@ -104,7 +104,7 @@ fn gltf(folder: &Path, Variation { mut texture, mut node, tangent }: Variation) 
 
 /// Compares the normals that pixels see with those that `expected` says for places on the quad, from its upper left corner.
 fn check(gpu: &GpuFixture, what: &str, scene: Scene, expected: impl Fn(Vec2) -> Vec3) {
-    let traced = reference(&scene, SIZE, 0, 1);
+    let traced = reference("normal-map", &scene, SIZE, 0, 1);
     let rendered = gpu.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
     for (by, picture) in [("G-buffer", rendered), ("reference", traced)] {
         let (normals, positions) = (layer(&picture, "normal"), layer(&picture, "position"));

@@ -11,7 +11,7 @@ use glowworm::settings::{
 };
 
 use super::environment::sky;
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, layer, luminance, mean, named_scene, plain, quantile, scene};
 
 const SIDE: u32 = 32;
@@ -88,7 +88,7 @@ fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
 fn check(gpu: &GpuFixture, tracer: TracerKind, name: &str, scene: &Arc<Scene>) {
     let settings = Settings { tracer, ..noisy() };
     let drawn = gpu.mean_of_frames(scene, &settings, FRAMES, |picture| layer(picture, "indirect"));
-    let expected = layer(&reference(scene, settings.size, settings.bounces, 2048), "indirect");
+    let expected = layer(&reference(name, scene, settings.size, settings.bounces, 2048), "indirect");
     compare_blocks(name, &drawn, &expected, [0.01, 0.03]);
 }
 
@@ -159,7 +159,7 @@ fn direct_light_of_paths_is_that_of_the_reference() {
         "#,
     );
     let drawn = gpu.mean_of_frames(&scene, &settings, FRAMES, |picture| picture.colour.clone());
-    let expected = reference(&scene, settings.size, settings.bounces, 2048).colour;
+    let expected = reference("corner-point-and-sun", &scene, settings.size, settings.bounces, 2048).colour;
     compare_blocks("point and sun", &drawn, &expected, [0.01, 0.04]);
 }
 
@@ -191,7 +191,7 @@ fn by((indirect, denoise): (Indirect, Denoise)) -> Settings {
 
 #[test]
 fn switching_takes_a_frame_and_no_memory() {
-    let Some(gpu) = GpuFixture::open() else { return };
+    let Some(gpu) = GpuFixture::open_alone() else { return };
     let scene = named_scene("cornell-box", None);
     let pose = scene.pose(0.0);
     let mut renderer = gpu.renderer(&scene, &by(METHODS[0]), &pose);

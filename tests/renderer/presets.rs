@@ -8,7 +8,7 @@ use glowworm::scene::Scene;
 use glowworm::settings::{MissingSets, Preset, Settings, VplSettings};
 
 use super::paths::corner;
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, indirect, layer, luminance, mean, named_scene};
 
 const SIDE: u32 = 64;
@@ -52,7 +52,7 @@ fn rays(report: &FrameReport, counter: &str) -> f32 {
 fn tonna_casts_a_ray_to_every_vpl_of_a_class() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
-    let expected = layer(&reference(&scene, [SIDE; 2], 2, 512), "indirect");
+    let expected = layer(&reference("cornell-box", &scene, [SIDE; 2], 2, 512), "indirect");
     for (temporal_sets, interleave) in [(1, 4), (16, 4), (4, 2)] {
         let settings = preset(Preset::Tonna);
         let vpl = VplSettings { temporal_sets, interleave, ..settings.vpl };
@@ -125,7 +125,7 @@ fn granja_casts_one_ray_for_shadows_and_accumulates_by_its_shares() {
         ],
         &["direct_shadows", "indirect_shadows", "paths_trace", "still"],
     );
-    let expected = mean_light(&layer(&reference(&scene, [SIDE; 2], 1, 256), "direct"));
+    let expected = mean_light(&layer(&reference("cornell-box", &scene, [SIDE; 2], 1, 256), "direct"));
     let renderer = gpu.rendered(&scene, &preset(Preset::Granja), 48);
     let ratio = mean_light(&layer(&renderer.read_picture(true).unwrap(), "direct")) / expected;
     // Clamped history and a curve that counts bright light less take some.
@@ -146,7 +146,7 @@ fn flatval_traces_paths_of_four_surfaces_and_fits_features() {
     );
     let cast = rays(&report, "rays");
     assert!(cast > 3.0 && cast <= 8.0, "{cast} rays a pixel");
-    let ratio = light / mean_light(&reference(&scene, [SIDE; 2], 3, 256).colour);
+    let ratio = light / mean_light(&reference("cornell-box", &scene, [SIDE; 2], 3, 256).colour);
     assert!((ratio - 1.0).abs() < 0.03, "the mean is {ratio} of the reference's");
 }
 
@@ -164,7 +164,7 @@ fn meijer_shares_paths_of_one_bounce_at_every_vertex() {
     let cast = rays(&report, "rays");
     assert!(cast > 1.5 && cast <= 4.0, "{cast} rays a pixel");
     // Cells of the second vertex hold light of any number of bounces.
-    let of = |bounces| mean_light(&reference(&scene, [SIDE; 2], bounces, 256).colour);
+    let of = |bounces| mean_light(&reference("cornell-box", &scene, [SIDE; 2], bounces, 256).colour);
     let [one, all] = [1, 16].map(of);
     assert!((one..1.05 * all).contains(&light), "{light}, the reference's are {one} and {all}");
 }

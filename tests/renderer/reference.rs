@@ -1,35 +1,16 @@
 //! The renderer against the path tracer: the light that VPLs carry, and the tone mapping they share.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use glowworm::output::{Picture, tone_map};
-use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, ToneMap, VplSettings};
 
+use super::support::golden::reference;
 use super::support::{GpuFixture, channel, exact, layer, luminance, mean, named_scene, quantile};
 
 const SIDE: u32 = 48;
 const BLOCK: usize = 12;
-
-/// What the path tracer makes of a scene at time 0, with layers.
-pub(super) fn reference(scene: &Scene, size: [u32; 2], bounces: u32, spp: u64) -> Picture {
-    let pose = scene.pose(0.0);
-    let settings = ReferenceSettings {
-        size,
-        bounces: Some(bounces),
-        seed: 0,
-        filter: PixelFilter::Center,
-        layers: true,
-    };
-    let reference = Reference::new(scene, &pose, &settings);
-    let mut film = reference.film().unwrap();
-    for _ in 0..spp {
-        reference.add_sample(&mut film, &AtomicBool::new(false));
-    }
-    film.picture()
-}
 
 /// Mean luminance of each block of pixels.
 fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
@@ -46,7 +27,7 @@ fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
 }
 
 /// Compares the irradiance of so many VPLs with the path tracer: its mean, and blocks of pixels.
-pub(super) fn check_against_reference(scene: &Arc<Scene>, interleave: u32, vpls: u32) {
+pub(super) fn check_against_reference(name: &str, scene: &Arc<Scene>, interleave: u32, vpls: u32) {
     let Some(gpu) = GpuFixture::open() else { return };
     // Several sets with interleaving would have half the resolution, too little for so small a picture.
     let temporal_sets = if interleave == 1 { 8 } else { 1 };
@@ -55,7 +36,7 @@ pub(super) fn check_against_reference(scene: &Arc<Scene>, interleave: u32, vpls:
         ..exact([SIDE; 2])
     };
     let drawn = gpu.rendered(scene, &settings, 8).read_picture(true).unwrap();
-    let reference = reference(scene, settings.size, settings.bounces, 1024);
+    let reference = reference(name, scene, settings.size, settings.bounces, 1024);
     let (drawn, reference) = (layer(&drawn, "indirect"), layer(&reference, "indirect"));
     let ratio = mean(drawn.iter().map(luminance)) / mean(reference.iter().map(luminance));
     assert!((ratio - 1.0).abs() <= 0.02, "the mean is {ratio} of the reference's");
@@ -70,18 +51,18 @@ pub(super) fn check_against_reference(scene: &Arc<Scene>, interleave: u32, vpls:
 
 #[test]
 fn the_cornell_box_is_lit_as_in_the_reference() {
-    check_against_reference(&named_scene("cornell-box", None), 1, 8192);
+    check_against_reference("cornell-box", &named_scene("cornell-box", None), 1, 8192);
 }
 
 #[test]
 fn interleaving_moves_no_light() {
-    check_against_reference(&named_scene("cornell-box", None), 2, 8192);
+    check_against_reference("cornell-box", &named_scene("cornell-box", None), 2, 8192);
 }
 
 #[test]
 fn four_kinds_of_lights_light_as_in_the_reference() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/all-kinds.toml");
-    check_against_reference(&named_scene(file, None), 1, 8192);
+    check_against_reference("all-kinds", &named_scene(file, None), 1, 8192);
 }
 
 #[test]
@@ -89,7 +70,7 @@ fn both_see_the_same_surfaces_and_direct_light() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let drawn = gpu.rendered(&scene, &exact([SIDE; 2]), 1).read_picture(true).unwrap();
-    let reference = reference(&scene, [SIDE; 2], 2, 4);
+    let reference = reference("cornell-box", &scene, [SIDE; 2], 2, 4);
     for name in ["direct", "albedo", "normal", "position"] {
         let pairs = layer(&drawn, name).into_iter().zip(layer(&reference, name));
         let differences = pairs.flat_map(|(a, b)| [0, 1, 2].map(|i| (a[i] - b[i]).abs())).collect();

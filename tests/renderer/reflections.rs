@@ -13,7 +13,7 @@ use glowworm::settings::{
 };
 
 use super::environment::sky;
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, channel, layer, luminance, mean, plain, scene};
 
 pub(super) const SIZE: [u32; 2] = [96, 64];
@@ -135,10 +135,10 @@ fn seen(picture: &Picture) -> Vec<[f32; 3]> {
 }
 
 /// The same of the path tracer, which counts the light of area lights as irradiance.
-fn expected(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
-    let path_traced = reference(scene, SIZE, 0, spp);
+fn expected(name: &str, scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
+    let path_traced = reference(name, scene, SIZE, 0, spp);
     let (irradiance, albedo) = (layer(&path_traced, "indirect"), layer(&path_traced, "albedo"));
-    let mut seen = seen(&reference(scene, SIZE, 1, spp));
+    let mut seen = seen(&reference(name, scene, SIZE, 1, spp));
     for ((pixel, e), albedo) in seen.iter_mut().zip(irradiance).zip(albedo) {
         (0..3).for_each(|i| pixel[i] += albedo[i] / PI * e[i]);
     }
@@ -151,7 +151,7 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
     for (roughness, metallic) in [(0.0, 1), (0.2, 1), (0.6, 1), (0.0, 0), (0.2, 0), (0.6, 0)] {
         let scene =
             stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = {metallic}"), "");
-        let expected = expected(&scene, 512);
+        let expected = expected(&format!("stage-{roughness}-{metallic}"), &scene, 512);
         let frames = if roughness == 0.0 { 64 } else { 192 };
         let ours = gpu.mean_of_frames(&scene, &settings(Denoise::NONE), frames, seen);
         assert_agree(&format!("roughness {roughness}, metallic {metallic}"), &ours, &expected, 0.05);
@@ -173,7 +173,10 @@ fn lights_that_rays_do_not_meet_are_reflected() {
             ..settings(Denoise::NONE)
         };
         let ours = gpu.mean_of_frames(&scene, &paths, 192, |picture| layer(picture, "reflected"));
-        let expected = layer(&reference(&scene, SIZE, paths.bounces, 512), "reflected");
+        let expected = layer(
+            &reference(&format!("stage-portal-{roughness}"), &scene, SIZE, paths.bounces, 512),
+            "reflected",
+        );
         // The dimmest block shows the foot of the mirror, where irradiance that is read from the screen is coarse.
         assert_agree(&format!("roughness {roughness}"), &ours, &expected, 0.1);
     }
@@ -208,7 +211,7 @@ fn denoised_stills_are_like_the_truth() {
         let scene = stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = 1"), "");
         let renderer = gpu.rendered(&scene, &settings(Denoise::SVGF), 32);
         let ours = seen(&renderer.read_picture(true).unwrap());
-        let ssim = ssim(&ours, &expected(&scene, 1024));
+        let ssim = ssim(&ours, &expected(&format!("stage-{roughness}-1"), &scene, 1024));
         eprintln!("roughness {roughness}, denoised: SSIM {ssim}");
         least = least.min(ssim);
     }
@@ -282,7 +285,7 @@ vfov_deg = 40
         let effects = EffectSettings { second_reflections: SecondReflections::SplitSum, ..base.effects };
         let ours = gpu.mean_of_frames(&scene, &Settings { effects, ..base }, 16, seen);
         // Nothing is in the way of the sky but the mirror, which is small.
-        let expected = expected(&scene, 512);
+        let expected = expected(&format!("split-sum-{roughness}"), &scene, 512);
         let disc = |at: &usize| {
             let [x, y] = [at % 96, at / 96].map(|side| side as f32 + 0.5);
             (x - 48.0).hypot(y - 32.0) < 10.0

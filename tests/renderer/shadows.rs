@@ -8,8 +8,8 @@ use glowworm::output::Picture;
 use glowworm::scene::Scene;
 use glowworm::settings::{Indirect, Settings};
 
-use super::reference::reference;
 use super::rooms::{SUN, SUN_IRRADIANCE, WINDOW, cornices, thin_room};
+use super::support::golden::reference;
 use super::support::{GpuFixture, assets, channel, layer, luminance, mean, named_scene, plain};
 
 const SQUARE: [u32; 2] = [256; 2];
@@ -57,7 +57,7 @@ fn check_thin_room(apart: bool, eye: [f32; 3], target: [f32; 3]) {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = thin_room(apart, eye, target);
     const SIZE: [u32; 2] = [320, 240];
-    let (ours, reference) = (drawn(&gpu, &scene, SIZE), reference(&scene, SIZE, 0, 1));
+    let (ours, reference) = (drawn(&gpu, &scene, SIZE), reference("thin-room", &scene, SIZE, 0, 1));
     for (picture, what) in [(reference, "reference"), (ours, "renderer")] {
         let places = layer(&picture, "position").into_iter().zip(layer(&picture, "normal"));
         let expected: Vec<f32> =
@@ -111,7 +111,7 @@ fn no_sun_leaks_between_meshes_that_only_meet() {
 fn direct(scene: &Arc<Scene>) -> Option<[Vec<f32>; 2]> {
     let gpu = GpuFixture::open()?;
     // One sample is exact: there is one light, and it is a point.
-    let pictures = [drawn(&gpu, scene, SQUARE), reference(scene, SQUARE, 0, 1)];
+    let pictures = [drawn(&gpu, scene, SQUARE), reference("square", scene, SQUARE, 0, 1)];
     Some(pictures.map(|picture| layer(&picture, "direct").iter().map(luminance).collect()))
 }
 

@@ -10,8 +10,8 @@ use glowworm::settings::{
     Antialiasing, Denoise, Direct, EffectSettings, Indirect, Noise, Reflections, Settings,
 };
 
-use super::reference::reference;
 use super::still::{self, check_stillness};
+use super::support::golden::reference;
 use super::support::{GpuFixture, layer, luminance, mean, plain, scene};
 
 const SIZE: [u32; 2] = [112, 80];
@@ -147,8 +147,8 @@ fn assert_agree(what: &str, ours: &[[f32; 3]], expected: &[[f32; 3]]) {
 }
 
 /// Direct light with that of area lights by both lobes, as the path tracer has it.
-fn expected_direct(scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
-    let reference = reference(scene, SIZE, 0, spp);
+fn expected_direct(name: &str, scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
+    let reference = reference(name, scene, SIZE, 0, spp);
     let [direct, irradiance, reflected, albedo] =
         ["direct", "indirect", "reflected", "albedo"].map(|name| layer(&reference, name));
     let sum = |at: usize, i: usize| {
@@ -171,7 +171,11 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
     let pane = ("sun behind a pane".to_owned(), format!("{}\n{PANE}", sun(4)));
     for (what, light) in suns.into_iter().chain(others).chain([pane]) {
         let scene = yard(&light);
-        assert_agree(&what, &mean_of_rays(&gpu, &scene), &expected_direct(&scene, 256));
+        assert_agree(
+            &what,
+            &mean_of_rays(&gpu, &scene),
+            &expected_direct(&format!("yard-{}", what.replace(' ', "-")), &scene, 256),
+        );
     }
 }
 
@@ -182,8 +186,10 @@ fn area_lights_count_once_beside_reflections() {
     let portal = format!("{PANEL}\nvisible = false");
     for (what, light) in [("panel", PANEL), ("globe", GLOBE), ("portal", &portal)] {
         let scene = yard(light);
-        let lit = expected_direct(&scene, 512);
-        let [none, one] = [0, 1].map(|bounces| layer(&reference(&scene, SIZE, bounces, 512), "reflected"));
+        let lit = expected_direct(&format!("yard-{what}"), &scene, 512);
+        let [none, one] = [0, 1].map(|bounces| {
+            layer(&reference(&format!("yard-{what}"), &scene, SIZE, bounces, 512), "reflected")
+        });
         // Of the balls' roughness, half of the light is mirrored.
         for (limit, share) in [(1.0, 1.0), (0.3, 0.5)] {
             let expected: Vec<[f32; 3]> = (0..lit.len())
@@ -245,7 +251,7 @@ fn a_hundred_lamps_take_one_ray() {
     };
     let lights: Vec<String> = (0..100).map(light).collect();
     let scene = yard(&lights.join("\n[[lights]]\n"));
-    let expected = layer(&reference(&scene, SIZE, 0, 512), "direct");
+    let expected = layer(&reference("yard-hundred", &scene, SIZE, 0, 512), "direct");
     let ours = gpu.mean_of_frames(&scene, &settings(Denoise::NONE), 64, |picture| layer(picture, "direct"));
     assert_agree("a hundred lights", &ours, &expected);
     // Denoised, after 32 frames.
@@ -268,7 +274,7 @@ fn denoised_stills_are_like_the_truth() {
     let Some(gpu) = GpuFixture::open() else { return };
     for angle in [4, 20] {
         let scene = yard(&sun(angle));
-        let expected = layer(&reference(&scene, SIZE, 0, 256), "direct");
+        let expected = layer(&reference(&format!("yard-sun-{angle}"), &scene, SIZE, 0, 256), "direct");
         let ssim = ssim(&direct(&gpu.rendered(&scene, &settings(Denoise::SVGF), 32)), &expected);
         eprintln!("sun of {angle} degrees, denoised: SSIM {ssim}");
         assert!(ssim >= 0.98, "{angle} degrees: {ssim}");

@@ -10,7 +10,7 @@ use glowworm::settings::{
     Antialiasing, Denoise, Direct, EffectSettings, Indirect, Reflections, Settings, VplSettings,
 };
 
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, luminance, mean, named_scene, plain, scene};
 use super::taa::BOXES;
 
@@ -168,9 +168,9 @@ fn error(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> (f32, f32) {
     (mean(squares).sqrt(), mean(ours.iter().copied()) / all)
 }
 
-fn check_truth(scene: &Arc<Scene>, settings: &Settings) {
+fn check_truth(name: &str, scene: &Arc<Scene>, settings: &Settings) {
     let Some(gpu) = GpuFixture::open() else { return };
-    let expected = reference(scene, settings.size, settings.bounces, 2048).colour;
+    let expected = reference(name, scene, settings.size, settings.bounces, 2048).colour;
     let errors = [16, 64, 256].map(|still_frames| {
         let renderer = gpu.rendered(scene, &Settings { still_frames, ..settings.clone() }, still_frames);
         error(&renderer.read_picture(false).unwrap().colour, &expected)
@@ -183,7 +183,7 @@ fn check_truth(scene: &Arc<Scene>, settings: &Settings) {
 #[test]
 fn the_mean_of_sets_is_that_of_the_path_tracer() {
     let settings = Settings { size: [48; 2], ..plain() };
-    check_truth(&named_scene("cornell-box", None), &settings);
+    check_truth("cornell-box", &named_scene("cornell-box", None), &settings);
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn few_still_frames_are_nearer_to_the_truth_than_a_denoised_one() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let settings = Settings { size: [48; 2], antialiasing: Antialiasing::None, ..Settings::default() };
-    let expected = reference(&scene, settings.size, settings.bounces, 1024).colour;
+    let expected = reference("cornell-box", &scene, settings.size, settings.bounces, 1024).colour;
     let [denoised, still] = [0, 1024].map(|still_frames| {
         let renderer = gpu.rendered(&scene, &Settings { still_frames, ..settings.clone() }, 32);
         error(&renderer.read_picture(false).unwrap().colour, &expected)

@@ -6,7 +6,7 @@ use glam::Vec3;
 use glowworm::scene::{Environment, EnvironmentMap, Scene};
 use glowworm::settings::{Antialiasing, Direct, Reflections, Settings};
 
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, layer, luminance, mean, plain, scene};
 
 const SIZE: [u32; 2] = [64, 48];
@@ -83,7 +83,7 @@ fn a_box_under_suns_has_its_shadows_as_in_the_reference() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = yard("albedo = [0.7, 0.7, 0.7]", sky(0.5));
     let moving = Settings { size: SIZE, direct: Direct::Auto, ..plain() };
-    let expected = reference(&scene, SIZE, moving.bounces, 1024).colour;
+    let expected = reference("suns-box", &scene, SIZE, moving.bounces, 1024).colour;
 
     let still = Settings { still_frames: 128, ..moving.clone() };
     let renderer = gpu.rendered(&scene, &still, 200);
@@ -121,7 +121,7 @@ fn every_lobe_gets_the_light_of_suns_once() {
             ..plain()
         };
         let drawn = gpu.rendered(&scene, &settings, 330).read_picture(true).unwrap();
-        let expected = reference(&scene, SIZE, settings.bounces, 1024);
+        let expected = reference(&format!("suns-{roughness}"), &scene, SIZE, settings.bounces, 1024);
         let most = 20.0;
         assert_agree(&format!("roughness {roughness}"), &drawn.colour, &expected.colour, most);
         let seen = |pixels: &[[f32; 3]]| pixels.iter().filter(|pixel| luminance(pixel) > most).count();
@@ -144,7 +144,7 @@ fn the_eye_sees_suns_in_the_sky() {
     let settings = Settings { size: SIZE, antialiasing: Antialiasing::None, ..plain() };
     let drawn =
         layer(&gpu.rendered(&Arc::new(empty.clone()), &settings, 1).read_picture(true).unwrap(), "direct");
-    let expected = layer(&reference(&empty, SIZE, 2, 1), "direct");
+    let expected = layer(&reference("suns-sky", &empty, SIZE, 2, 1), "direct");
     let brightest = |pixels: &[[f32; 3]]| pixels.iter().map(luminance).fold(0.0, f32::max);
     let [ours, theirs] = [brightest(&drawn), brightest(&expected)];
     assert!(theirs > 500.0 && (ours / theirs - 1.0).abs() < 0.01, "{ours}, {theirs}");

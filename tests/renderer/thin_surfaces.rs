@@ -12,7 +12,7 @@ use glowworm::scene::{
 };
 use glowworm::settings::{Indirect, Settings, TracerKind};
 
-use super::reference::reference;
+use super::support::golden::reference;
 use super::support::{GpuFixture, exact, layer, luminance, mean};
 
 const SIZE: [u32; 2] = [64, 48];
@@ -366,7 +366,7 @@ fn cabinet() -> Scene {
 fn a_picture_agrees_with_the_reference(tracer: RayTracer) {
     let Some(gpu) = GpuFixture::open_with_tracer(tracer) else { return };
     let scene = cabinet();
-    let expected = layer(&reference(&scene, SIZE, 0, 1024), "direct");
+    let expected = layer(&reference("cabinet", &scene, SIZE, 0, 1024), "direct");
     let found = layer(&drawn(&gpu, scene, tracer), "direct");
     let [sum, all] = [&found, &expected].map(|pixels| mean(pixels.iter().map(luminance)));
     assert!((sum / all - 1.0).abs() < 0.01, "{sum} is not {all}");

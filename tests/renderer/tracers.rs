@@ -135,7 +135,7 @@ fn views_follow_the_tracer() {
 
 #[test]
 fn a_frame_takes_no_memory() {
-    let Some(gpu) = open() else { return };
+    let Some(gpu) = open().and_then(|_| GpuFixture::open_alone()) else { return };
     let scene = all_kinds();
     let mut renderer = gpu.renderer(&scene, &settings(TracerKind::Hardware), &scene.pose(0.0));
     let mut draw = |frames: std::ops::Range<u32>| {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glowworm::scene::Scene;
 use glowworm::settings::{Settings, VplSettings};
 
-use super::reference::reference;
 use super::rooms::{niche, uplighter};
+use super::support::golden::reference;
 use super::support::{GpuFixture, indirect, layer, luminance, mean, plain};
 
 const SIZE: [u32; 2] = [80, 60];
@@ -14,7 +14,7 @@ const SIZE: [u32; 2] = [80, 60];
 const SEEDS: u32 = 16;
 
 /// The mean over all pixels and seeds is that of the path tracer.
-fn check(scene: &Arc<Scene>) {
+fn check(name: &str, scene: &Arc<Scene>) {
     let Some(gpu) = GpuFixture::open() else { return };
     let mut drawn = vec![0.0; (SIZE[0] * SIZE[1]) as usize];
     for seed in 0..SEEDS {
@@ -23,7 +23,7 @@ fn check(scene: &Arc<Scene>) {
         let picture = indirect(&gpu.rendered(scene, &settings, vpl.temporal_sets));
         drawn.iter_mut().zip(&picture).for_each(|(sum, pixel)| *sum += luminance(pixel) / SEEDS as f32);
     }
-    let reference = layer(&reference(scene, SIZE, 2, 256), "indirect");
+    let reference = layer(&reference(name, scene, SIZE, 2, 256), "indirect");
     let reference: Vec<f32> = reference.iter().map(luminance).collect();
     let ratio = mean(drawn) / mean(reference);
     assert!((ratio - 1.0).abs() <= 0.03, "the mean is {ratio} of the reference's");
@@ -31,10 +31,10 @@ fn check(scene: &Arc<Scene>) {
 
 #[test]
 fn a_room_with_an_uplighter() {
-    check(&uplighter());
+    check("uplighter", &uplighter());
 }
 
 #[test]
 fn a_room_with_a_bright_niche() {
-    check(&niche());
+    check("niche", &niche());
 }
