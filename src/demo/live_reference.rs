@@ -155,7 +155,7 @@ mod tests {
     fn the_picture_nears_the_reference_as_samples_grow() {
         let scene = Arc::new(crate::formats::load_scene("cornell-box", None).unwrap());
         let pose = scene.pose(0.0);
-        let settings = Settings { size: [24, 16], seed: 5, exposure: Some(0.0), ..Settings::default() };
+        let settings = Settings { size: [16, 12], seed: 5, exposure: Some(0.0), ..Settings::default() };
         let run =
             Run::start(Key { scene: Arc::clone(&scene), pose: pose.clone(), settings: settings.clone() });
         let other = ReferenceSettings { seed: 77, ..ReferenceSettings::like(&settings) };

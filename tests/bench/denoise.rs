@@ -161,6 +161,7 @@ fn denoised_pictures_are_those_of_the_renderer() {
 }
 
 #[test]
+#[ignore = "long; denoised_pictures_are_those_of_the_renderer is quicker"]
 fn mirrors_panes_and_soft_shadows_are_joined_as_by_the_renderer() {
     let Some(_gpu) = GpuFixture::open() else { return };
     let run = run_with(&glossy());

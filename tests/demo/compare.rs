@@ -18,6 +18,7 @@ const SMALL: [&str; 7] = [
 ];
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn the_frame_rate_of_temporal_sets_is_measured_shown_and_saved() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

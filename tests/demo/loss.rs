@@ -52,6 +52,7 @@ fn the_window_goes_on_after_a_loss() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn a_device_that_is_lost_again_ends_the_window() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

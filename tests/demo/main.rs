@@ -21,6 +21,7 @@ mod smooth;
 mod split;
 mod timeline;
 mod tour;
+mod visit;
 mod window;
 mod x_server;
 

@@ -24,6 +24,7 @@ fn is_question(event: &Value, what: &str) -> bool {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn the_first_lines_are_shown_until_they_are_dismissed() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
@@ -46,6 +47,7 @@ fn the_first_lines_are_shown_until_they_are_dismissed() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn edits_are_not_lost_without_a_question() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
@@ -102,6 +104,7 @@ fn edits_are_not_lost_without_a_question() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn the_keyboard_reaches_the_panel_and_comes_back() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
@@ -131,6 +134,7 @@ fn the_keyboard_reaches_the_panel_and_comes_back() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn a_number_keeps_the_keyboard_only_under_the_pointer() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

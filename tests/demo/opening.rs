@@ -7,6 +7,7 @@ use crate::window::Demo;
 use crate::x_server::XServer;
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn a_broken_scene_changes_nothing_and_a_dropped_one_opens() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

@@ -8,6 +8,7 @@ const SMALL: [&str; 6] = ["--size", "240x150", "--vpls=64", "--temporal-sets=4",
 
 /// F4 copies the command of the very picture on screen, of a paused scene that moves, with another camera; twice the same.
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn the_command_renders_to_what_is_on_screen() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
@@ -36,6 +37,7 @@ fn the_command_renders_to_what_is_on_screen() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn a_recording_renders_to_what_was_on_screen() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

@@ -10,6 +10,7 @@ use crate::x_server::XServer;
 type Part = (&'static str, u64);
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn frames_go_on_while_one_scrubs_picks_edits_and_loads() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
@@ -24,6 +25,7 @@ fn frames_go_on_while_one_scrubs_picks_edits_and_loads() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn a_picture_has_fewer_pixels_in_motion_and_all_of_them_at_rest() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

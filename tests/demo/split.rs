@@ -27,6 +27,7 @@ fn number(value: &Value) -> f64 {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn methods_and_the_reference_stand_side_by_side() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
@@ -83,6 +84,7 @@ fn methods_and_the_reference_stand_side_by_side() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn edits_and_settings_are_taken_back_and_made_again() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
@@ -127,6 +129,7 @@ fn edits_and_settings_are_taken_back_and_made_again() {
 }
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn a_picture_of_a_file_stands_right_of_the_divider() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

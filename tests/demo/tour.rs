@@ -7,6 +7,7 @@ use crate::window::Demo;
 use crate::x_server::XServer;
 
 #[test]
+#[ignore = "long; `visit` looks into it once"]
 fn the_tour_shows_eleven_stops_and_leaves_a_contact_sheet() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

@@ -1,10 +1,12 @@
 //! Mutated files of every kind that is read: each gives a scene or an error of one line, in seconds and bounded memory.
 //!
-//! `GLOWWORM_FUZZ` is the number of mutations (2,000), `GLOWWORM_FUZZ_SEED` the first seed; `scripts/fuzz` runs more. A failure
+//! `GLOWWORM_FUZZ` is the number of mutations (800, or 2,000 where all is tested), `GLOWWORM_FUZZ_SEED` the first seed; `scripts/fuzz` runs more. A failure
 //! names its seed and leaves the files.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+#[path = "../support/depth.rs"]
+mod depth;
 mod inputs;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -212,7 +214,7 @@ fn mutated_files_give_a_scene_or_a_line() {
         let loaded = load_scene(write(files).to_str().unwrap(), None);
         faults.extend(loaded.err().map(|error| format!("whole: {error}")));
     }
-    for seed in first..first + number("GLOWWORM_FUZZ", 2000) {
+    for seed in first..first + number("GLOWWORM_FUZZ", depth::quick_or_all(800, 2000)) {
         let mut random = Random(seed << 20);
         let mut files = inputs[seed as usize % inputs.len()].clone();
         mutate_input(&mut files, &mut random);

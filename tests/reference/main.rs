@@ -4,6 +4,8 @@
 
 mod camera;
 mod command;
+#[path = "../support/depth.rs"]
+mod depth;
 mod furnace;
 mod lights;
 mod parts;

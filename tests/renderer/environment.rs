@@ -96,6 +96,7 @@ fn a_convex_object_under_a_constant_sky_receives_pi_l() {
 }
 
 #[test]
+#[ignore = "long; a_sun_in_the_map_makes_no_fireflies is quicker"]
 fn a_court_under_a_sunny_sky_is_lit_as_in_the_reference() {
     check_against_reference("court", &under(sky(0.4), COURT), 1, 32_768);
 }

@@ -54,6 +54,7 @@ vfov_deg = 40
 
 /// Light at hits holds a bounce more than the path tracer has: VPLs stand for all bounces at the hit, as at surfaces that are seen.
 #[test]
+#[ignore = "long; above_the_limit_the_lobe_gets_irradiance_and_both_blend is quicker"]
 fn a_mirror_shows_the_light_of_vpls() {
     let Some(gpu) = GpuFixture::open() else { return };
     let size = [64, 48];
@@ -255,6 +256,7 @@ rotation = [90, 0, 0]
 }
 
 #[test]
+#[ignore = "long; a_sheet_before_a_mirror_tints_it_twice is quicker"]
 fn panes_reflect_what_is_in_front_of_them() {
     let Some(gpu) = GpuFixture::open() else { return };
     for roughness in [0.0, 0.3, 0.6] {

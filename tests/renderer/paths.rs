@@ -11,6 +11,7 @@ use glowworm::settings::{
 };
 
 use super::environment::sky;
+use super::support::depth::quick_or_all;
 use super::support::golden::reference;
 use super::support::{GpuFixture, layer, luminance, mean, named_scene, plain, quantile, scene};
 
@@ -196,7 +197,7 @@ fn switching_takes_a_frame_and_no_memory() {
     let pose = scene.pose(0.0);
     let mut renderer = gpu.renderer(&scene, &by(METHODS[0]), &pose);
     let mut peaks = Vec::new();
-    for _ in 0..20 {
+    for _ in 0..quick_or_all(5, 20) {
         for method in METHODS {
             renderer.set_settings(&by(method), &pose).unwrap();
             renderer.render(&pose).unwrap();
@@ -223,6 +224,7 @@ fn switching_takes_a_frame_and_no_memory() {
 }
 
 #[test]
+#[ignore = "long; switching_takes_a_frame_and_no_memory is quicker"]
 fn no_light_of_many_frames_is_negative_or_no_number() {
     let Some(gpu) = GpuFixture::open() else { return };
     let lamp = "[[lights]]\ntype = \"point\"\nposition = [0.8, 1.6, 0.8]\nintensity = [4, 4, 4]\n";

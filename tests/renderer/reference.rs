@@ -55,11 +55,13 @@ fn the_cornell_box_is_lit_as_in_the_reference() {
 }
 
 #[test]
+#[ignore = "long; the_cornell_box_is_lit_as_in_the_reference is quicker"]
 fn interleaving_moves_no_light() {
     check_against_reference("cornell-box", &named_scene("cornell-box", None), 2, 8192);
 }
 
 #[test]
+#[ignore = "long; the_cornell_box_is_lit_as_in_the_reference is quicker"]
 fn four_kinds_of_lights_light_as_in_the_reference() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/scene-files/all-kinds.toml");
     check_against_reference("all-kinds", &named_scene(file, None), 1, 8192);

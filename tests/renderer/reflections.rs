@@ -146,6 +146,7 @@ fn expected(name: &str, scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
 }
 
 #[test]
+#[ignore = "long; denoised_stills_are_like_the_truth is quicker"]
 fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
     let Some(gpu) = GpuFixture::open() else { return };
     for (roughness, metallic) in [(0.0, 1), (0.2, 1), (0.6, 1), (0.0, 0), (0.2, 0), (0.6, 0)] {
@@ -159,6 +160,7 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
 }
 
 #[test]
+#[ignore = "long; denoised_stills_are_like_the_truth is quicker"]
 fn lights_that_rays_do_not_meet_are_reflected() {
     let Some(gpu) = GpuFixture::open() else { return };
     let portal = "[[instances]]\nmodel = \"lamp\"\ntranslation = [-0.4, 2.4, 0.6]\nscale = [3, 2, 3]\nvisible = false\n";

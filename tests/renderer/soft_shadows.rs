@@ -163,6 +163,7 @@ fn mean_of_rays(gpu: &GpuFixture, scene: &Arc<Scene>) -> Vec<[f32; 3]> {
 }
 
 #[test]
+#[ignore = "long; a_hundred_lamps_take_one_ray is quicker"]
 fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
     let Some(gpu) = GpuFixture::open() else { return };
     let suns = [0, 4, 20].map(|angle| (format!("sun of {angle} degrees"), sun(angle)));
@@ -181,6 +182,7 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
 
 /// Rays along a lobe meet the lights that shadow rays sample, but for invisible ones.
 #[test]
+#[ignore = "long; a_hundred_lamps_take_one_ray is quicker"]
 fn area_lights_count_once_beside_reflections() {
     let Some(gpu) = GpuFixture::open() else { return };
     let portal = format!("{PANEL}\nvisible = false");
@@ -225,6 +227,7 @@ fn lights_without_extent_have_hard_shadows() {
 }
 
 #[test]
+#[ignore = "long; a_hundred_lamps_take_one_ray is quicker"]
 fn white_noise_has_the_same_mean() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = yard(&sun(4));

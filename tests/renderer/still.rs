@@ -88,18 +88,21 @@ fn what_freezes_depends_on_no_past() {
 }
 
 #[test]
+#[ignore = "long; what_freezes_depends_on_no_past is quicker"]
 fn nor_with_one_set_and_a_small_budget() {
     let vpl = VplSettings { temporal_sets: 1, ..settings().vpl };
     check(&Settings { vpl, ..settings() });
 }
 
 #[test]
+#[ignore = "long; what_freezes_depends_on_no_past is quicker"]
 fn nor_with_six_sets_of_the_full_resolution() {
     let vpl = VplSettings { temporal_sets: 6, interleave: 1, ..settings().vpl };
     check(&Settings { vpl, antialiasing: Antialiasing::None, ..settings() });
 }
 
 #[test]
+#[ignore = "long; what_freezes_depends_on_no_past is quicker"]
 fn nor_with_soft_shadows_and_reflections() {
     check(&Settings { direct: Direct::Soft, reflections: Reflections::Rays, ..settings() });
 }
@@ -181,6 +184,7 @@ fn check_truth(name: &str, scene: &Arc<Scene>, settings: &Settings) {
 }
 
 #[test]
+#[ignore = "long; few_still_frames_are_nearer_to_the_truth is quicker"]
 fn the_mean_of_sets_is_that_of_the_path_tracer() {
     let settings = Settings { size: [48; 2], ..plain() };
     check_truth("cornell-box", &named_scene("cornell-box", None), &settings);

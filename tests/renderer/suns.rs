@@ -79,6 +79,7 @@ fn assert_agree(what: &str, drawn: &[[f32; 3]], expected: &[[f32; 3]], most: f32
 }
 
 #[test]
+#[ignore = "long; the_eye_sees_suns_in_the_sky is quicker"]
 fn a_box_under_suns_has_its_shadows_as_in_the_reference() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = yard("albedo = [0.7, 0.7, 0.7]", sky(0.5));
@@ -105,6 +106,7 @@ fn a_box_under_suns_has_its_shadows_as_in_the_reference() {
 }
 
 #[test]
+#[ignore = "long; the_eye_sees_suns_in_the_sky is quicker"]
 fn every_lobe_gets_the_light_of_suns_once() {
     let Some(gpu) = GpuFixture::open() else { return };
     for roughness in [0.0, 0.2, 0.5] {

@@ -30,6 +30,7 @@ fn check(name: &str, scene: &Arc<Scene>) {
 }
 
 #[test]
+#[ignore = "long; a_room_with_a_bright_niche is quicker"]
 fn a_room_with_an_uplighter() {
     check("uplighter", &uplighter());
 }

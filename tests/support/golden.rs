@@ -1,18 +1,19 @@
 //! References of small pictures, path-traced once with many samples and kept in tests/golden/references.
 //!
-//! `scripts/golden` traces them anew. Each keeps its first samples beside: where the path tracer or the scene gives others
+//! `scripts/golden` traces them anew; `./test --all` does not use them, it traces each itself. Each keeps its first samples beside: where the path tracer or the scene gives others
 //! today, the reference is stale, and every test that asks for it fails.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use super::depth::all;
 use exr::prelude::f16;
 use glowworm::output::{Layer, OutputFile, Picture};
 use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::Scene;
 
 /// So many times the samples that a test asks for.
-const FACTOR: u64 = 4;
+const FACTOR: u64 = 2;
 /// Samples that tell whether a reference is stale.
 const FIRST: u64 = 4;
 const FIRST_SAMPLES: &str = "first_samples";
@@ -29,7 +30,7 @@ const KEPT: [&str; 3] = ["direct", "indirect", "reflected"];
 /// If the reference is not there or stale. With `GLOWWORM_BLESS=1` it is traced and written then.
 pub fn reference(name: &str, scene: &Scene, size: [u32; 2], bounces: u32, spp: u64) -> Picture {
     let [width, height] = size;
-    if u64::from(width * height) * spp <= FEW_PATHS {
+    if all() || u64::from(width * height) * spp <= FEW_PATHS {
         return trace(scene, size, bounces, spp);
     }
     let file = format!("tests/golden/references/{name}-{width}x{height}-{bounces}.exr");
