@@ -70,7 +70,7 @@ pub enum Reflections {
 /// What smooths edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Antialiasing {
-    /// Temporal antialiasing over 16 frames: about a fifth of a millisecond at 1920x1080.
+    /// Temporal antialiasing over 16 frames: about 0.4 ms at 1920x1080 where 500 GB/s move.
     Taa,
     /// One sample in the middle of each pixel.
     None,
