@@ -48,7 +48,7 @@ pub enum Direct {
     /// Soft where a light has a radius or an angle, hard otherwise. Area lights, whose shadows are soft in any case, shine by the
     /// estimator, or, where it gives no light, as with soft.
     Auto,
-    /// One ray to each light, which has no extent; area lights shine by virtual point lights.
+    /// One ray to each light, as if it had no extent; area lights shine by the estimator alone.
     Hard,
     /// Soft shadows of lights with an extent: one ray a pixel, to a random point of the lights, denoised.
     Soft,
