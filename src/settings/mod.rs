@@ -48,7 +48,7 @@ pub enum Direct {
     /// Soft where a light has a radius or an angle, hard otherwise. Area lights, whose shadows are soft in any case, shine by the
     /// estimator, or, where it gives no light, as with soft.
     Auto,
-    /// One ray to each light, which has no extent; area lights shine by virtual point lights.
+    /// One ray to each light, as if it had no extent; area lights shine by the estimator alone.
     Hard,
     /// Soft shadows of lights with an extent: one ray a pixel, to a random point of the lights, denoised.
     Soft,
@@ -70,7 +70,7 @@ pub enum Reflections {
 /// What smooths edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Antialiasing {
-    /// Temporal antialiasing over 16 frames: about a fifth of a millisecond at 1920x1080.
+    /// Temporal antialiasing over 16 frames: about 0.4 ms at 1920x1080 where 500 GB/s move.
     Taa,
     /// One sample in the middle of each pixel.
     None,

@@ -10,7 +10,7 @@ const FIGURES: usize = 15;
 /// Name, kind, and: MAE, RMSE, relative MSE, PSNR, SSIM (scikit-image 0.26), FLIP (flip-evaluator 1.7), mean ratio,
 /// mean and 95th percentile of the relative error, and of blocks: mean, 95th percentile, shares within 3 % and 5 %;
 /// RMSE and SSIM of display luminance.
-/// From `scripts/check-metrics --known-answers`.
+/// From `scripts/study check-metrics --known-answers`.
 #[rustfmt::skip]
 const KNOWN: [(&str, &str, [f64; FIGURES]); 10] = [
     ("noise", "png", [0.04705095, 0.05468752, 0.05558195, 25.24224, 0.7119614, 0.108281, 1.024222, 0.2483654, 0.6212344, 0.03210553, 0.07862629, 0.625, 0.75, 0.04117094, 0.8225165]),

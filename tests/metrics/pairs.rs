@@ -1,4 +1,4 @@
-//! Five pairs of pictures of different kinds, computed with integers; scripts/check_metrics.py computes the same.
+//! Five pairs of pictures of different kinds, computed with integers; scripts/studies/check_metrics.py computes the same.
 
 use glowworm::metrics::Image;
 
