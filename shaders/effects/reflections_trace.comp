@@ -42,6 +42,8 @@ layout(set = 0, binding = 17, rgba16f) uniform writeonly image2D image_normal;
 layout(set = 0, binding = 35, rgba16ui) uniform readonly uimage2D last_image_surface;
 layout(set = 0, binding = 36, rgba16ui) uniform writeonly uimage2D image_surface;
 layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reprojected;
+layout(set = 0, binding = 41, r32ui) uniform readonly uimage2D last_image_instance;
+layout(set = 0, binding = 42, r32ui) uniform writeonly uimage2D image_instance;
 
 // Of thin surfaces: see thin_surfaces.comp.
 layout(set = 0, binding = 38, rgba16f) uniform readonly image2D thin_mirrored;
@@ -82,7 +84,8 @@ const float WIDEST = 30.0;
 const float IMAGE_BLUR = 3.0;
 // Tangent of the half angle that most of the lobe lies in, over alpha: GGX has long tails.
 const float LOBE_WIDTH = 4.0;
-const uint NO_INSTANCE = 4094u;
+// No instance plus one: indices have at most 24 bits, by Vulkan's limit.
+const uint NO_INSTANCE = 0xffffffffu;
 // What depths of a blurred mirror's surface may differ by, as it is seen where its image was.
 const float MIRROR_TOLERANCE = 0.1;
 
@@ -229,7 +232,7 @@ struct SeenImage {
     float depth;
     vec3 shading;
     vec3 geometric;
-    uint instance;
+    uint instance; // plus one
 };
 
 SeenImage image_of(Surface mirror, FirstHit hit) {
@@ -239,12 +242,13 @@ SeenImage image_of(Surface mirror, FirstHit hit) {
     if (hit.met) {
         image.shading = reflect(hit.shading, mirror.shading);
         image.geometric = reflect(hit.geometric, mirror.shading);
-        image.instance = (hit.instance + 1u) & 4095u;
+        image.instance = hit.instance + 1u;
     }
     return image;
 }
 
 VisibleSurface last_surface_at(ivec2 texel) { return unpack_surface(imageLoad(last_image_surface, texel)); }
+uint last_instance_at(ivec2 texel) { return imageLoad(last_image_instance, texel).x; }
 #define REPROJECTION_TESTS 3
 #include "reprojected_surface.glsl"
 
@@ -259,7 +263,7 @@ vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool
     vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
     if (clip.w <= 0.0 || push.has_history == 0u) return vec4(0.0);
     vec2 motion = vec2(pixel) + 0.5 + frame.jitter - (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size);
-    ExpectedSurface expected = ExpectedSurface(VisibleSurface(mirror.depth, shown.shading, shown.instance), MIRROR_TOLERANCE * mirror.depth);
+    ExpectedSurface expected = ExpectedSurface(VisibleSurface(mirror.depth, shown.shading), shown.instance, MIRROR_TOLERANCE * mirror.depth);
     if (is_sharp) {
         expected.surface.depth = clip.w;
         expected.tolerance = clip.w * depth_tolerance(IMAGE_ROUNDING, image.geometric, image.position, push.spread);
@@ -294,7 +298,7 @@ bool thin_surface_at(ivec2 pixel, out Seen seen, out Path path) {
     Reflection reflection = prepare_bsdf(met.bsdf, met.shading, -normalize(direction));
     seen.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
     seen.roughness = met.bsdf.roughness;
-    seen.instance = (hit.instance + 1u) & 4095u;
+    seen.instance = hit.instance + 1u;
     seen.mirrors = true;
     vec3 all = max(reflection.diffuse + reflection.reflected, vec3(1e-6));
     path.throughput = reflection.reflected * reflection_weight(met.bsdf.roughness) / all;
@@ -311,7 +315,7 @@ void main() {
     Seen seen;
     seen.at.surface = surface_at(pixel);
     seen.roughness = imageLoad(gbuffer_albedo, pixel).a;
-    seen.instance = id.x & 4095u;
+    seen.instance = id.x;
     seen.mirrors = id.x != 0u && reflection_weight(seen.roughness) > 0.0;
     if (seen.mirrors) {
         seen.at = shading_point_at(pixel, id);
@@ -369,7 +373,8 @@ void main() {
     float depth = seen.mirrors ? image.depth : 0.0;
     imageStore(image_depth, pixel, vec4(depth));
     imageStore(image_normal, pixel, vec4(octahedral_encode(image.shading), octahedral_encode(image.geometric)));
-    VisibleSurface packed = VisibleSurface(depth, image.shading, image.instance);
+    VisibleSurface packed = VisibleSurface(depth, image.shading);
     imageStore(image_surface, pixel, seen.mirrors ? pack_surface(packed) : uvec4(0u));
+    imageStore(image_instance, pixel, uvec4(image.instance));
     imageStore(image_reprojected, pixel, then);
 }

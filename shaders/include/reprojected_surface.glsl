@@ -1,6 +1,6 @@
 // Which texels of the last frame show a surface that was expected there, for all that follows surfaces from frame to frame. Needs
-// frame.glsl, visible_surface.glsl, `VisibleSurface last_surface_at(ivec2 texel)`, and REPROJECTION_TESTS, the number of a
-// specialisation constant.
+// frame.glsl, visible_surface.glsl, `VisibleSurface last_surface_at(ivec2 texel)`, `uint last_instance_at(ivec2 texel)`, and
+// REPROJECTION_TESTS, the number of a specialisation constant.
 
 // Tests that a texel must pass, a bit each; studies leave one out (Granja 2021, figure 3.9).
 layout(constant_id = REPROJECTION_TESTS) const uint TESTS = 7u;
@@ -9,6 +9,7 @@ const uint INSTANCE_TEST = 1u, NORMAL_TEST = 2u, DEPTH_TEST = 4u;
 // A surface as the last frame should have seen it, and by how much the depth of a texel may differ.
 struct ExpectedSurface {
     VisibleSurface surface;
+    uint instance; // plus one, as in the G-buffer
     float tolerance;
 };
 
@@ -29,7 +30,7 @@ float depth_tolerance(float rounding, vec3 geometric, vec3 position, float pixel
 bool shows(ExpectedSurface expected, ivec2 texel) {
     if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel, ivec2(frame.size)))) return false;
     VisibleSurface there = last_surface_at(texel);
-    uint failed = (there.instance == expected.surface.instance ? 0u : INSTANCE_TEST)
+    uint failed = (last_instance_at(texel) == expected.instance ? 0u : INSTANCE_TEST)
         | (dot(there.normal, expected.surface.normal) > MIN_COSINE ? 0u : NORMAL_TEST)
         | (abs(there.depth - expected.surface.depth) < expected.tolerance ? 0u : DEPTH_TEST);
     return there.depth > 0.0 && (failed & TESTS) == 0u;

@@ -18,11 +18,14 @@ layout(set = 0, binding = 5) uniform texture2D gbuffer_motion;
 layout(set = 0, binding = 6, rgba16ui) uniform readonly uimage2D last_surface;
 layout(set = 0, binding = 7, rgba16ui) uniform writeonly uimage2D surface;
 layout(set = 0, binding = 8, rgba16f) uniform writeonly image2D reprojected;
+layout(set = 0, binding = 9, r32ui) uniform readonly uimage2D last_instance;
+layout(set = 0, binding = 10, r32ui) uniform writeonly uimage2D instance;
 #include "surface.glsl"
 
 layout(push_constant) uniform Push { uint has_history; } push;
 
 VisibleSurface last_surface_at(ivec2 texel) { return unpack_surface(imageLoad(last_surface, texel)); }
+uint last_instance_at(ivec2 texel) { return imageLoad(last_instance, texel).x; }
 #define REPROJECTION_TESTS 0
 #include "reprojected_surface.glsl"
 
@@ -30,29 +33,30 @@ VisibleSurface last_surface_at(ivec2 texel) { return unpack_surface(imageLoad(la
 const float ROUNDING = 0.005;
 
 ExpectedSurface expected_at(Surface now, uint index) {
-    InstanceData instance = instances.data[index];
-    vec3 then = transform_point(instance.previous_object_to_world, transform_point(instance.world_to_object, now.position));
+    InstanceData placed = instances.data[index];
+    vec3 then = transform_point(placed.previous_object_to_world, transform_point(placed.world_to_object, now.position));
     vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
     // Motion is rigid, so normals turn as vectors do.
-    vec3 local = transform_vector(instance.world_to_object, now.shading);
-    vec3 normal = normalize(transform_vector(instance.previous_object_to_world, local));
+    vec3 local = transform_vector(placed.world_to_object, now.shading);
+    vec3 normal = normalize(transform_vector(placed.previous_object_to_world, local));
     float tolerance = clip.w * depth_tolerance(ROUNDING, now.geometric, now.position, pixel_footprint());
-    return ExpectedSurface(VisibleSurface(clip.w, normal, (index + 1u) & 4095u), tolerance);
+    return ExpectedSurface(VisibleSurface(clip.w, normal), index + 1u, tolerance);
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    uint instance = texelFetch(gbuffer_instance, pixel, 0).x;
-    if (instance == 0u) {
+    uint id = texelFetch(gbuffer_instance, pixel, 0).x;
+    imageStore(instance, pixel, uvec4(id));
+    if (id == 0u) {
         imageStore(surface, pixel, uvec4(0u));
         imageStore(reprojected, pixel, vec4(0.0));
         return;
     }
     Surface now = surface_at(pixel);
-    imageStore(surface, pixel, pack_surface(VisibleSurface(now.depth, now.shading, instance & 4095u)));
+    imageStore(surface, pixel, pack_surface(VisibleSurface(now.depth, now.shading)));
     vec2 motion = texelFetch(gbuffer_motion, pixel, 0).xy;
     vec2 masks = vec2(0.0);
-    if (push.has_history == 1u) masks = showing_texels(expected_at(now, instance - 1u), vec2(pixel) - motion);
+    if (push.has_history == 1u) masks = showing_texels(expected_at(now, id - 1u), vec2(pixel) - motion);
     imageStore(reprojected, pixel, vec4(motion, masks));
 }

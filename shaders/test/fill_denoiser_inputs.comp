@@ -12,9 +12,9 @@ struct DenoiserPixel {
     vec4 normals; // octahedral: shading, geometric
     vec4 reprojected;
     float depth;
-    uint instance;
     uint pad0;
     uint pad1;
+    uint pad2;
 };
 
 layout(set = 0, binding = 1, std430) readonly buffer PixelBlock { DenoiserPixel data[]; } pixels;
@@ -33,5 +33,5 @@ void main() {
     imageStore(reprojected, pixel, data.reprojected);
     imageStore(gbuffer_depth, pixel, vec4(data.depth));
     vec3 shading = octahedral_decode(data.normals.xy);
-    imageStore(surface, pixel, data.depth > 0.0 ? pack_surface(VisibleSurface(data.depth, shading, data.instance)) : uvec4(0u));
+    imageStore(surface, pixel, data.depth > 0.0 ? pack_surface(VisibleSurface(data.depth, shading)) : uvec4(0u));
 }

@@ -45,7 +45,7 @@ struct TracePush {
     near: f32,
 }
 
-/// The effect: 132 bytes a pixel.
+/// The effect: 140 bytes a pixel.
 pub struct Reflections {
     trace: ComputePipeline,
     /// Of what hits mirror, if that is the environment alone.
@@ -66,6 +66,8 @@ struct MirrorImage {
     normal: Image,
     /// As `Reprojection::surface`.
     surfaces: History<Image>,
+    /// The instances of what is seen, plus one.
+    instances: History<Image>,
     /// As `Reprojection::reprojected`.
     reprojected: Image,
 }
@@ -114,6 +116,7 @@ impl Reflections {
                 depth: image("image_depth", vk::Format::R32_SFLOAT)?,
                 normal: image("image_normal", halves)?,
                 surfaces: History::new(|_| image("image_surface", vk::Format::R16G16B16A16_UINT))?,
+                instances: History::new(|_| image("image_instance", vk::Format::R32_UINT))?,
                 reprojected: image("image_reprojected", halves)?,
             },
             denoiser: make_denoiser(device, Use::Reflections, settings)?,
@@ -190,10 +193,13 @@ impl Reflections {
             .write("image_depth", &image.depth)
             .write("image_normal", &image.normal)
             .write("image_surface", image.surfaces.next())
+            .read("last_image_instance", image.instances.last())
+            .write("image_instance", image.instances.next())
             .write("image_reprojected", &image.reprojected)
             .push(&TracePush { spread, has_history, has_environment, sees_screen, near })
             .dispatch_over(extent)?;
         image.surfaces.advance();
+        image.instances.advance();
         Ok(())
     }
 
@@ -202,7 +208,7 @@ impl Reflections {
     /// # Errors
     /// Where the device fails.
     pub fn denoise(&mut self, frame: &mut Frame<'_>, inputs: &FrameInputs<'_>) -> Result<(), VulkanError> {
-        let MirrorImage { depth, normal, surfaces, reprojected } = &self.image;
+        let MirrorImage { depth, normal, surfaces, reprojected, .. } = &self.image;
         let surface = surfaces.last();
         let inputs = DenoiserInputs {
             depth,

@@ -31,15 +31,17 @@ impl<'a> ReprojectionInputs<'a> {
     }
 }
 
-/// What the pass writes. 24 bytes a pixel.
+/// What the pass writes. 32 bytes a pixel.
 pub struct Reprojection {
     surfaces: History<Image>,
+    /// The instances of the surfaces, plus one.
+    instances: History<Image>,
     /// xy: motion, pixels; z and w: which texels of the last frame show the surface, as in shaders/passes/reprojection.comp.
     pub reprojected: Image,
 }
 
 impl Reprojection {
-    /// What this frame sees: depth, normal and instance, packed as in shaders/include/visible_surface.glsl.
+    /// What this frame sees: depth and normal, packed as in shaders/include/visible_surface.glsl.
     pub fn surface(&self) -> &Image {
         self.surfaces.last()
     }
@@ -58,11 +60,12 @@ impl ReprojectionPass {
     /// Where the device lacks memory.
     pub fn new(device: &Arc<Device>, extent: [u32; 2], tests: u32) -> Result<Self, VulkanError> {
         let shader = shaders::REPROJECTION_COMP;
-        let surface = |_| storage_image(device, "surface", vk::Format::R16G16B16A16_UINT, extent);
+        let history = |name, format| History::new(|_| storage_image(device, name, format, extent));
         Ok(Self {
             pipeline: ComputePipeline::specialised(device, "reprojection", shader, &[tests])?,
             output: Reprojection {
-                surfaces: History::new(surface)?,
+                surfaces: history("surface", vk::Format::R16G16B16A16_UINT)?,
+                instances: history("instance", vk::Format::R32_UINT)?,
                 reprojected: storage_image(device, "reprojected", vk::Format::R16G16B16A16_SFLOAT, extent)?,
             },
         })
@@ -82,7 +85,7 @@ impl ReprojectionPass {
         frame: &mut Frame<'_>,
         inputs: &ReprojectionInputs<'_>,
     ) -> Result<(), VulkanError> {
-        let Reprojection { surfaces, reprojected } = &mut self.output;
+        let Reprojection { surfaces, instances, reprojected } = &mut self.output;
         let reprojected = &*reprojected;
         frame
             .pass("reprojection", &self.pipeline)
@@ -94,10 +97,13 @@ impl ReprojectionPass {
             .read("gbuffer_motion", inputs.motion)
             .read("last_surface", surfaces.last())
             .write("surface", surfaces.next())
+            .read("last_instance", instances.last())
+            .write("instance", instances.next())
             .write("reprojected", reprojected)
             .push(&u32::from(surfaces.is_valid()))
             .dispatch_over(reprojected.extent())?;
         surfaces.advance();
+        instances.advance();
         Ok(())
     }
 }

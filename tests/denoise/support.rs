@@ -27,8 +27,7 @@ pub struct Pixel {
     pub normals: [f32; 4],
     pub reprojected: [f32; 4],
     pub depth: f32,
-    pub instance: u32,
-    pub pad: [u32; 2],
+    pub pad: [u32; 3],
 }
 
 fn octahedral_encode(n: Vec3) -> Vec2 {
@@ -56,8 +55,7 @@ impl Pixel {
             normals: [x, y, x, y],
             reprojected: [0.0, 0.0, 15.0, 0.0],
             depth,
-            instance: 1,
-            pad: [0; 2],
+            pad: [0; 3],
         }
     }
 
