@@ -33,7 +33,7 @@ use std::time::Instant;
 use glam::{Mat4, Vec3};
 
 use crate::bvh::TwoLevelBvh;
-use crate::denoise::Denoiser;
+use crate::denoise::{self, Denoiser};
 use crate::effects::reflections::Reflections;
 use crate::estimators::{self, Estimator, EstimatorContext, World};
 use crate::gpu_scene::GpuScene;
@@ -51,7 +51,7 @@ use crate::settings::{Direct, Settings};
 use crate::vulkan::{Device, FrameTimes, Frames, VulkanError};
 use direct::{DirectInputs, ambient, resolved};
 use reports::{Pending, report};
-use shared::{SharedPasses, effect_image, indirect_denoiser};
+use shared::{SharedDescription, SharedPasses, effect_image, indirect_description};
 use steps::{irradiance, post_process, record_indirect, record_reflections};
 use uniforms::FrameSetup;
 use view::{ViewFrame, ViewPasses};
@@ -152,9 +152,10 @@ impl Renderer {
             scene_radius: radius,
         })?;
         let gpu_scene = GpuScene::new(device, &scene, tracer, &bvh)?;
+        let shared = SharedDescription::of(variant, &scene, settings);
         Ok(Self {
-            passes: SharedPasses::new(device, variant, (&scene, gpu_scene.buffers()), settings)?,
-            indirect_denoiser: indirect_denoiser(device, &*estimator, settings)?,
+            passes: SharedPasses::new(device, gpu_scene.buffers(), shared)?,
+            indirect_denoiser: denoise::make(device, &indirect_description(settings))?,
             frames: Frames::new(device)?,
             device: Arc::clone(device),
             resolved: settings.clone(),

@@ -21,7 +21,7 @@ layout(set = 0, binding = 12, std430) readonly buffer ExposureBlock { float fact
 
 layout(push_constant) uniform Push {
     uvec4 counts;      // frames in the mean of each pixel of 2x2, with this one
-    uvec2 represented; // the pixel of 2x2 that the frame has sampled irradiance for
+    uvec2 sampled_pixel; // the pixel of 2x2 that the frame has sampled irradiance for
     uint sample_step;  // pixels from one sample to the next: 1, or 2
     float scale;       // of sampled irradiance
     uint adds;         // 1: the frame is added to the mean
@@ -56,7 +56,7 @@ void main() {
     uvec2 place = uvec2(pixel) % push.sample_step;
     float count = float(push.counts[place.x + 2u * place.y]);
     vec4 average = imageLoad(mean, pixel);
-    if (push.adds == 1u && place == push.represented) {
+    if (push.adds == 1u && place == push.sampled_pixel) {
         vec3 irradiance = texelFetch(sampled_irradiance, pixel / int(push.sample_step), 0).rgb * push.scale;
         average = added(average, radiance_at(pixel, irradiance).rgb, count);
         imageStore(mean, pixel, average);

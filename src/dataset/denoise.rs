@@ -11,7 +11,9 @@ use exr::prelude::f16;
 use glam::{Affine3A, Mat4, Vec3};
 
 use crate::bvh::TwoLevelBvh;
-use crate::denoise::{self, Denoiser, DenoiserContext, DenoiserInputs, SignalNoise, Use};
+use crate::denoise::{
+    self, Denoiser, DenoiserDescription, DenoiserInputs, DenoiserSettings, SignalNoise, Use,
+};
 use crate::gpu_scene::GpuScene;
 use crate::gpu_scene::structs::FrameUniforms;
 use crate::gpu_scene::tracer::RayTracer;
@@ -65,8 +67,12 @@ impl DatasetDenoiser {
     ) -> Result<Self, VulkanError> {
         let (scene, extent) = (stand_ins(first.instances.len()), first.size);
         let bvh = TwoLevelBvh::build(&scene, &vec![Affine3A::IDENTITY; scene.instances.len()]);
-        let context =
-            DenoiserContext { device, usage: Use::Indirect, noise: SignalNoise::Unknown, extent, settings };
+        let description = DenoiserDescription {
+            usage: Use::Indirect,
+            noise: SignalNoise::Unknown,
+            extent,
+            settings: DenoiserSettings::of(settings, Use::Indirect),
+        };
         let mut images = BTreeMap::new();
         for name in first.images.keys().copied().filter(|name| !DenoiserFrame::THIN_SURFACES.contains(name)) {
             images.insert(name, image(device, name, extent)?);
@@ -87,7 +93,7 @@ impl DatasetDenoiser {
             images,
             thin_surfaces: is_thin.then(thin_surfaces).transpose()?,
             reprojection: ReprojectionPass::new(device, extent, settings.effects.reprojection_tests())?,
-            denoiser: denoise::make(&context)?,
+            denoiser: denoise::make(device, &description)?,
             combine: CombinePass::new(device, is_thin, extent)?,
             gpu_scene: GpuScene::new(device, &scene, RayTracer::Software, &bvh)?,
             scene,

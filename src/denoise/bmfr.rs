@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{Denoiser, DenoiserContext, DenoiserInputs, DenoiserPass, Method, SignalNoise, Use, svgf};
+use super::{Denoiser, DenoiserDescription, DenoiserInputs, DenoiserPass, Method, SignalNoise, Use, svgf};
 use crate::denoiser_pass;
 use crate::passes::effect_view::Visualization;
 use crate::passes::history::History;
@@ -21,15 +21,19 @@ const FIT: DenoiserPass = denoiser_pass!("bmfr_fit", [[130, 90, 170]; 3]).only_f
 const FILTERED: DenoiserPass = denoiser_pass!("bmfr_filtered", [[190, 160, 215]; 3]).only_for(Use::Indirect);
 
 /// Signals other than indirect light are noisy at edges that no feature knows, those of shadows and mirror images: they get SVGF.
-pub(super) const METHOD: Method =
-    Method { passes: &[ACCUMULATE, FIT, FILTERED], ..Method::new(Denoise::BMFR, make) };
+pub(super) const METHOD: Method = Method {
+    passes: &[ACCUMULATE, FIT, FILTERED],
+    follows_known_noise: true,
+    ..Method::new(Denoise::BMFR, make)
+};
 
-fn make(context: &DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError> {
-    if context.usage != Use::Indirect {
-        return (svgf::METHOD.make)(context);
+fn make(device: &Arc<Device>, description: &DenoiserDescription) -> Result<Box<dyn Denoiser>, VulkanError> {
+    let DenoiserDescription { usage, noise, extent, settings } = description;
+    if *usage != Use::Indirect {
+        return (svgf::METHOD.make)(device, description);
     }
-    let is_known = context.noise == SignalNoise::Variance;
-    Ok(Box::new(Bmfr::new(context.device, context.extent, &context.settings.bmfr, is_known)?))
+    let is_known = *noise == SignalNoise::Variance;
+    Ok(Box::new(Bmfr::new(device, *extent, &settings.bmfr, is_known)?))
 }
 
 /// Texels along a side of a block.

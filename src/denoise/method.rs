@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Denoiser, SignalNoise};
 use crate::report::PassInfo;
-use crate::settings::{Denoise, Settings};
+use crate::settings::{BmfrSettings, Denoise, Settings, SvgfSettings};
 use crate::vulkan::{Device, VulkanError};
 
 /// A denoiser is used for one of these signals.
@@ -23,10 +23,28 @@ impl Use {
     pub const ALL: [Self; 3] = [Self::Indirect, Self::SoftShadows, Self::Reflections];
 }
 
-/// A denoiser is made with these.
-pub struct DenoiserContext<'a> {
-    /// The device.
-    pub device: &'a Arc<Device>,
+/// The settings of denoisers, which see no others: a denoiser stays while these do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DenoiserSettings {
+    /// Which denoiser.
+    pub denoise: Denoise,
+    /// Settings of SVGF.
+    pub svgf: SvgfSettings,
+    /// Settings of BMFR; its defaults where the use never gets it.
+    pub bmfr: BmfrSettings,
+}
+
+impl DenoiserSettings {
+    /// Those for one use.
+    pub fn of(settings: &Settings, usage: Use) -> Self {
+        let bmfr = if usage == Use::Indirect { settings.bmfr } else { BmfrSettings::default() };
+        Self { denoise: settings.effects.denoise, svgf: settings.svgf, bmfr }
+    }
+}
+
+/// A denoiser is made of this alone: the same description makes the same denoiser.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DenoiserDescription {
     /// It denoises this signal.
     pub usage: Use,
     /// The noise of the signal.
@@ -34,8 +52,11 @@ pub struct DenoiserContext<'a> {
     /// The size of the signal, texels.
     pub extent: [u32; 2],
     /// The settings, which were checked.
-    pub settings: &'a Settings,
+    pub settings: DenoiserSettings,
 }
+
+/// Makes a denoiser; fails where the device does not support it.
+pub type MakeDenoiser = fn(&Arc<Device>, &DenoiserDescription) -> Result<Box<dyn Denoiser>, VulkanError>;
 
 /// The description of a denoiser. Command line, scene files, reports, benchmarks and the window list what it names.
 #[derive(Clone, Copy, Debug)]
@@ -43,18 +64,17 @@ pub struct Method {
     /// Its value of `--denoise`.
     pub denoise: Denoise,
     /// Makes the denoiser of one use; fails where the device does not support it.
-    pub make: fn(&DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError>,
+    pub make: MakeDenoiser,
+    /// Whether it follows surfaces from frame to frame even where the signal's variance is known.
+    pub follows_known_noise: bool,
     /// Its passes, in the order of the frame.
     pub passes: &'static [DenoiserPass],
 }
 
 impl Method {
     /// A method without passes: to be completed by what it has.
-    pub const fn new(
-        denoise: Denoise,
-        make: fn(&DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError>,
-    ) -> Self {
-        Self { denoise, make, passes: &[] }
+    pub const fn new(denoise: Denoise, make: MakeDenoiser) -> Self {
+        Self { denoise, make, follows_known_noise: false, passes: &[] }
     }
 }
 

@@ -8,13 +8,15 @@ mod none;
 mod spatial;
 pub mod svgf;
 
-pub use method::{DenoiserContext, DenoiserPass, Method, Use};
+pub use method::{DenoiserDescription, DenoiserPass, DenoiserSettings, MakeDenoiser, Method, Use};
+
+use std::sync::Arc;
 
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::report::PassInfo;
-use crate::settings::{Registry, Settings};
-use crate::vulkan::{Frame, Image, Pass, Upload, VulkanError};
+use crate::settings::{Denoise, Registry};
+use crate::vulkan::{Device, Frame, Image, Pass, Upload, VulkanError};
 
 /// What is known of a signal's noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,11 +107,19 @@ pub fn register(method: Method) {
     METHODS.add(method);
 }
 
-/// The denoiser that the settings name.
-fn method(settings: &Settings) -> &'static Method {
-    let (denoise, methods) = (settings.effects.denoise, METHODS.all());
-    let found = methods.iter().find(|method| method.denoise == denoise);
+/// The denoiser of that name.
+fn method(denoise: Denoise) -> &'static Method {
+    let found = METHODS.all().iter().find(|method| method.denoise == denoise);
     found.unwrap_or_else(|| panic!("--denoise {denoise:?} is not registered"))
+}
+
+/// Whether the denoiser of a signal with this noise needs to know where surfaces were in the last frame.
+pub fn follows_surfaces(noise: SignalNoise, denoise: Denoise) -> bool {
+    match noise {
+        SignalNoise::None => false,
+        SignalNoise::Variance => method(denoise).follows_known_noise,
+        SignalNoise::Unknown => true,
+    }
 }
 
 /// Makes the denoiser that the settings name, and none for a signal without noise.
@@ -119,9 +129,13 @@ fn method(settings: &Settings) -> &'static Method {
 ///
 /// # Panics
 /// If it was not registered: settings that were parsed name only denoisers that are.
-pub fn make(context: &DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError> {
-    let has_noise = context.noise != SignalNoise::None;
-    (if has_noise { method(context.settings) } else { &none::METHOD }.make)(context)
+pub fn make(
+    device: &Arc<Device>,
+    description: &DenoiserDescription,
+) -> Result<Box<dyn Denoiser>, VulkanError> {
+    let has_noise = description.noise != SignalNoise::None;
+    let method = if has_noise { method(description.settings.denoise) } else { &none::METHOD };
+    (method.make)(device, description)
 }
 
 /// The passes of all denoisers for one use, in the order of the frame.

@@ -5,7 +5,7 @@ use crate::settings::Denoise;
 use crate::vulkan::{Frame, Image, VulkanError};
 
 /// It has no passes.
-pub const METHOD: Method = Method::new(Denoise::NONE, |_| Ok(Box::new(NoDenoiser)));
+pub const METHOD: Method = Method::new(Denoise::NONE, |_, _| Ok(Box::new(NoDenoiser)));
 
 struct NoDenoiser;
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::spatial::{self, Spatial};
-use super::{Denoiser, DenoiserContext, DenoiserInputs, DenoiserPass, Method, SignalNoise, Use};
+use super::{Denoiser, DenoiserDescription, DenoiserInputs, DenoiserPass, Method, SignalNoise, Use};
 use crate::denoiser_pass;
 use crate::passes::effect_view::Visualization;
 use crate::passes::history::History;
@@ -26,8 +26,8 @@ const ATROUS: DenoiserPass = denoiser_pass!("svgf_atrous", [[130, 90, 170], [180
 pub(super) const METHOD: Method =
     Method { passes: &[spatial::PASS, TEMPORAL, VARIANCE, ATROUS], ..Method::new(Denoise::SVGF, make) };
 
-fn make(context: &DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError> {
-    let DenoiserContext { device, usage, noise, extent, settings } = *context;
+fn make(device: &Arc<Device>, description: &DenoiserDescription) -> Result<Box<dyn Denoiser>, VulkanError> {
+    let DenoiserDescription { usage, noise, extent, settings } = *description;
     Ok(if noise == SignalNoise::Variance {
         Box::new(Spatial::new(device, usage, extent)?)
     } else {

@@ -6,9 +6,9 @@ pub mod split_sum;
 
 use std::sync::Arc;
 
-use crate::denoise::{self, Denoiser, DenoiserContext, SignalNoise, Use};
+use crate::denoise::{self, Denoiser, DenoiserDescription, DenoiserSettings, SignalNoise, Use};
 use crate::passes::effect_view::Visualization;
-use crate::settings::Settings;
+use crate::settings::{EffectSettings, Settings};
 use crate::vulkan::{Device, Image, VulkanError};
 
 /// The images that an effect goes through, by the ends of the names of its views.
@@ -32,12 +32,36 @@ impl<'a> DebugImages<'a> {
     }
 }
 
-/// Makes the denoiser of an effect, whose every frame is an estimate of its own.
-fn make_denoiser(
-    device: &Arc<Device>,
-    usage: Use,
-    settings: &Settings,
-) -> Result<Box<dyn Denoiser>, VulkanError> {
-    let (noise, extent) = (SignalNoise::Unknown, settings.size);
-    denoise::make(&DenoiserContext { device, usage, noise, extent, settings })
+/// An effect is made of this alone, for a tracer: the same description makes the same effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectDescription {
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// The settings of effects.
+    pub settings: EffectSettings,
+    /// Roughness up to which surfaces mirror.
+    pub reflection_roughness: f32,
+    denoiser: DenoiserDescription,
+}
+
+impl EffectDescription {
+    /// The part of the settings that one effect sees. Its every frame is an estimate of its own.
+    pub fn of(settings: &Settings, usage: Use) -> Self {
+        let size = settings.size;
+        Self {
+            size,
+            settings: settings.effects,
+            reflection_roughness: settings.reflection_roughness(),
+            denoiser: DenoiserDescription {
+                usage,
+                noise: SignalNoise::Unknown,
+                extent: size,
+                settings: DenoiserSettings::of(settings, usage),
+            },
+        }
+    }
+
+    fn make_denoiser(&self, device: &Arc<Device>) -> Result<Box<dyn Denoiser>, VulkanError> {
+        denoise::make(device, &self.denoiser)
+    }
 }

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::split_sum::SplitSum;
-use super::{DebugImages, make_denoiser};
-use crate::denoise::{Denoiser, DenoiserInputs, Use};
+use super::{DebugImages, EffectDescription};
+use crate::denoise::{Denoiser, DenoiserInputs};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
@@ -93,13 +93,13 @@ impl Reflections {
     pub fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        settings: &Settings,
+        description: &EffectDescription,
     ) -> Result<Self, VulkanError> {
-        let effects = &settings.effects;
+        let effects = &description.settings;
         let white = u32::from(effects.noise == Noise::White);
         let sums = effects.second_reflections == SecondReflections::SplitSum;
         let shader = shaders::REFLECTIONS_TRACE_COMP;
-        let image = |name, format| storage_image(device, name, format, settings.size);
+        let image = |name, format| storage_image(device, name, format, description.size);
         let halves = vk::Format::R16G16B16A16_SFLOAT;
         Ok(Self {
             trace: tracer.pipeline(
@@ -119,8 +119,8 @@ impl Reflections {
                 instances: History::new(|_| image("image_instance", vk::Format::R32_UINT))?,
                 reprojected: image("image_reprojected", halves)?,
             },
-            denoiser: make_denoiser(device, Use::Reflections, settings)?,
-            limit: settings.reflection_roughness(),
+            denoiser: description.make_denoiser(device)?,
+            limit: description.reflection_roughness,
         })
     }
 

@@ -6,14 +6,14 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use super::{DebugImages, make_denoiser};
-use crate::denoise::{Denoiser, DenoiserInputs, Use};
+use super::{DebugImages, EffectDescription};
+use crate::denoise::{Denoiser, DenoiserInputs};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::effect_view::Visualization;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
 use crate::scene::{LightKind, Pose};
-use crate::settings::{Noise, Settings};
+use crate::settings::Noise;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// The effect: 56 bytes a pixel.
@@ -28,14 +28,14 @@ impl SoftShadows {
     pub fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        settings: &Settings,
+        description: &EffectDescription,
     ) -> Result<Self, VulkanError> {
-        let white = u32::from(settings.effects.noise == Noise::White);
+        let white = u32::from(description.settings.noise == Noise::White);
         let (shader, halves) = (shaders::SOFT_SHADOWS_TRACE_COMP, vk::Format::R16G16B16A16_SFLOAT);
         Ok(Self {
             trace: tracer.pipeline(device, "soft_shadows_trace", shader, &[white])?,
-            noisy: storage_image(device, "noisy shadow", halves, settings.size)?,
-            denoiser: make_denoiser(device, Use::SoftShadows, settings)?,
+            noisy: storage_image(device, "noisy shadow", halves, description.size)?,
+            denoiser: description.make_denoiser(device)?,
         })
     }
 

@@ -39,6 +39,8 @@ pub struct Method {
     pub gives_light: bool,
     /// What is known of the noise of its irradiance, which decides how that is denoised.
     pub noise: SignalNoise,
+    /// Pixels from one texel of [`Estimator::signal`] to the next, in each direction.
+    pub signal_step: u32,
 }
 
 /// A whole number among the settings, along which a method's quality and cost change.
@@ -142,6 +144,7 @@ impl Method {
             lights_hits: false,
             gives_light: true,
             noise: SignalNoise::None,
+            signal_step: 1,
         }
     }
 

@@ -60,13 +60,13 @@ pub struct IrradianceSignal<'a> {
 
 /// A method of indirect light. One frame: [`Self::update`], then [`Self::record`].
 pub trait Estimator: Any + Send {
-    /// Frames in which it draws everything once, by turns that begin with frame 0; 1 where there are no turns.
-    fn turns(&self) -> u32 {
+    /// Frames after which it begins again, the first with frame 0; 1 where all frames are alike.
+    fn cycle_length(&self) -> u32 {
         1
     }
 
-    /// Whether the light that it samples next is that of a fresh start, were nothing to change.
-    fn is_settled(&self) -> bool {
+    /// Whether the light that it samples next is that of a restart, were nothing to change.
+    fn equals_restart(&self) -> bool {
         true
     }
 
@@ -93,7 +93,7 @@ pub trait Estimator: Any + Send {
     /// The irradiance that the last frame has sampled, an unbiased estimate by itself, which no denoiser overwrites. In a still frame it
     /// depends on nothing before.
     fn sampled(&self) -> SampledIrradiance<'_> {
-        SampledIrradiance { image: self.signal().noisy, scale: 1.0, step: 1, offset: [0; 2] }
+        SampledIrradiance { image: self.signal().noisy, scale: 1.0, checkerboard: None }
     }
 
     /// Records what makes irradiance of the denoised signal, for signals that are not of the picture's size.

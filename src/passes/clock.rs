@@ -1,8 +1,8 @@
 //! The clock: counts frames, and those in which nothing changes. Their raw radiance is averaged (still.rs) until the picture freezes.
 //!
-//! In: where everything stands, and whether the estimator has forgotten what was before. Out: the number of the frame among the still
-//! ones. The first renders the first temporal set, and all that is random follows from that number, so that the mean of so many
-//! frames does not depend on the past.
+//! In: where everything stands, and whether the estimator equals a restart. Out: the number of the frame among the still
+//! ones. The first begins a cycle of the estimator, and all that is random follows from that number, so that the mean of so many frames
+//! does not depend on the past.
 
 use glam::Vec2;
 
@@ -10,16 +10,16 @@ use crate::scene::Pose;
 
 /// Positions in a pixel that antialiasing goes through while anything changes, and before it goes on to others in a still scene.
 const JITTERS: u32 = 16;
-/// Pixels of which a still frame stands for one, where samples lie two pixels apart.
-const QUARTERS: u32 = 4;
+/// Phases of a checkerboard of 2 x 2 pixels, of which a frame samples one.
+const CHECKERBOARD_PHASES: u32 = 4;
 
 /// When still frames begin and end.
 #[derive(Clone, Copy, Debug)]
 pub struct ClockInputs {
-    /// Frames in which the estimator draws everything once, by turns.
-    pub turns: u32,
-    /// Whether the estimator's light is that of a fresh start.
-    pub is_settled: bool,
+    /// Frames after which the estimator begins again, the first with frame 0.
+    pub cycle_length: u32,
+    /// Whether the estimator's light is that of a restart.
+    pub equals_restart: bool,
     /// Frames that are averaged until the picture freezes; 0: none is.
     pub still_frames: u32,
     /// Whether pixels are sampled at several positions.
@@ -49,7 +49,7 @@ pub struct FrameClock {
     still: Option<u32>,
     is_frozen: bool,
     still_frames: u32,
-    turns: u32,
+    cycle_length: u32,
     is_jittered: bool,
 }
 
@@ -73,7 +73,7 @@ impl Clock {
 
     /// The next frame, with everything standing as in `pose`.
     pub fn next(&mut self, pose: &Pose, inputs: &ClockInputs) -> FrameClock {
-        let ClockInputs { turns, is_settled, still_frames, is_jittered } = *inputs;
+        let ClockInputs { cycle_length, equals_restart, still_frames, is_jittered } = *inputs;
         let frame = self.frame;
         self.frame += 1;
         let moves = self.last.as_ref().is_some_and(|last| last != pose);
@@ -87,7 +87,11 @@ impl Clock {
         }
         // In the first frame after a change the estimator learns that it has ended.
         let has_rested = self.changed.is_none_or(|changed| frame > changed + 1);
-        if self.begun.is_none() && has_rested && is_settled && frame.is_multiple_of(u64::from(turns)) {
+        if self.begun.is_none()
+            && has_rested
+            && equals_restart
+            && frame.is_multiple_of(u64::from(cycle_length))
+        {
             self.begun = Some(frame);
         }
         let still = self.begun.filter(|_| still_frames > 0).map(|begun| frame - begun);
@@ -98,7 +102,7 @@ impl Clock {
             still: still.map(|still| still.min(u64::from(still_frames) - 1) as u32),
             is_frozen: still.is_some_and(|still| still >= u64::from(still_frames)),
             still_frames,
-            turns,
+            cycle_length,
             is_jittered,
         }
     }
@@ -140,23 +144,24 @@ impl FrameClock {
         self.still.unwrap_or(self.frame as u32)
     }
 
-    /// The temporal set whose turn it is.
-    pub fn turn(&self) -> u32 {
-        (self.frame % u64::from(self.turns)) as u32
+    /// Number of the frame in the estimator's cycle, from 0.
+    pub fn cycle_phase(&self) -> u32 {
+        (self.frame % u64::from(self.cycle_length)) as u32
     }
 
-    /// How often all temporal sets have had their turn.
+    /// Number of the cycle in the sequence of random numbers.
     pub fn cycle(&self) -> u32 {
-        self.noise_frame() / self.turns
+        self.noise_frame() / self.cycle_length
     }
 
-    /// Which pixel of 2 x 2 a texel of a set of half the resolution stands for, 0 to 3. In a still scene each four frames stand for all,
-    /// and each set in time for all.
-    pub fn quarter(&self) -> u32 {
-        let Some(still) = self.still else { return self.turn() % QUARTERS };
-        // The least number of frames after which a set meets the same pixel again.
-        let period = self.turns << (QUARTERS.trailing_zeros() - self.turns.trailing_zeros().min(2));
-        (still + still / period) % QUARTERS
+    /// The pixel of 2 x 2 that an estimator of half the resolution samples, 0 to 3. In a still scene each four frames sample all, and so
+    /// does in time each phase of the cycle.
+    pub fn checkerboard_phase(&self) -> u32 {
+        let Some(still) = self.still else { return self.cycle_phase() % CHECKERBOARD_PHASES };
+        // The least number of frames after which a phase of the cycle meets the same pixel again.
+        let period = self.cycle_length
+            << (CHECKERBOARD_PHASES.trailing_zeros() - self.cycle_length.trailing_zeros().min(2));
+        (still + still / period) % CHECKERBOARD_PHASES
     }
 
     /// From the middle of a pixel to where it is sampled, pixels.
@@ -166,8 +171,11 @@ impl FrameClock {
         }
         let Some(still) = self.still else { return jitter((self.frame % u64::from(JITTERS)) as u32) };
         // Each pixel of 2 x 2 goes through all positions when its frames come, and so do each 16 frames.
-        let turn = still / QUARTERS;
-        jitter(turn / JITTERS * JITTERS + (turn + self.quarter() * JITTERS / QUARTERS) % JITTERS)
+        let round = still / CHECKERBOARD_PHASES;
+        jitter(
+            round / JITTERS * JITTERS
+                + (round + self.checkerboard_phase() * JITTERS / CHECKERBOARD_PHASES) % JITTERS,
+        )
     }
 }
 
@@ -194,7 +202,7 @@ mod tests {
     use crate::scene::Scene;
 
     const INPUTS: ClockInputs =
-        ClockInputs { turns: 4, is_settled: true, still_frames: 12, is_jittered: true };
+        ClockInputs { cycle_length: 4, equals_restart: true, still_frames: 12, is_jittered: true };
 
     fn poses() -> [Pose; 2] {
         let pose = Scene::new("empty").pose(0.0);
@@ -204,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn still_frames_begin_with_the_first_set_and_end() {
+    fn still_frames_begin_with_a_cycle_and_end() {
         let [pose, moved] = poses();
         let mut clock = Clock::default();
         let fresh: Vec<FrameClock> = (0..16).map(|_| clock.next(&pose, &INPUTS)).collect();
@@ -212,14 +220,14 @@ mod tests {
         clock.next(&pose, &INPUTS);
         let moving = clock.next(&moved, &INPUTS);
         assert_eq!((moving.averaged(), moving.still_frames()), (None, 0));
-        assert_eq!([(); 2].map(|()| clock.next(&moved, &INPUTS).averaged()), [None; 2], "not the first set");
-        let unsettled = ClockInputs { is_settled: false, ..INPUTS };
-        assert_eq!([(); 4].map(|()| clock.next(&moved, &unsettled).averaged()), [None; 4]);
+        assert_eq!([(); 2].map(|()| clock.next(&moved, &INPUTS).averaged()), [None; 2], "amid a cycle");
+        let changing = ClockInputs { equals_restart: false, ..INPUTS };
+        assert_eq!([(); 4].map(|()| clock.next(&moved, &changing).averaged()), [None; 4]);
         for expected in &fresh {
             let found = clock.next(&moved, &INPUTS);
             assert_eq!(found.averaged(), expected.averaged());
             assert_eq!((found.jitter(), found.noise_frame()), (expected.jitter(), expected.noise_frame()));
-            assert_eq!((found.turn(), found.cycle()), (expected.turn(), expected.cycle()));
+            assert_eq!((found.cycle_phase(), found.cycle()), (expected.cycle_phase(), expected.cycle()));
         }
         let averaged: Vec<u32> = fresh.iter().filter_map(FrameClock::averaged).collect();
         assert_eq!(averaged, Vec::from_iter(0..12));
@@ -231,7 +239,7 @@ mod tests {
     #[test]
     fn a_change_is_over_in_its_second_frame() {
         let [pose, moved] = poses();
-        let inputs = ClockInputs { turns: 1, ..INPUTS };
+        let inputs = ClockInputs { cycle_length: 1, ..INPUTS };
         let mut clock = Clock::default();
         clock.next(&pose, &inputs);
         assert_eq!([(); 3].map(|()| clock.next(&moved, &inputs).averaged()), [None, None, Some(0)]);
@@ -240,27 +248,27 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_meets_every_set_and_every_position() {
+    fn every_pixel_meets_every_phase_and_every_position() {
         let [pose, _] = poses();
-        for turns in [1, 2, 3, 4, 6, 8, 16, 32, 64] {
+        for cycle_length in [1, 2, 3, 4, 6, 8, 16, 32, 64] {
             let mut clock = Clock::default();
-            let inputs = ClockInputs { turns, still_frames: u32::MAX, ..INPUTS };
+            let inputs = ClockInputs { cycle_length, still_frames: u32::MAX, ..INPUTS };
             let mut met = HashSet::new();
             for frames in 0..16 {
                 // 64 frames sample each pixel of 2 x 2 at 16 positions, one in each strip.
                 let mut strips = [(); 4].map(|()| [(); 2].map(|()| HashSet::new()));
                 for _ in 0..64 {
                     let frame = clock.next(&pose, &inputs);
-                    met.insert((frame.turn(), frame.quarter()));
+                    met.insert((frame.cycle_phase(), frame.checkerboard_phase()));
                     let place = (frame.jitter() + 0.5) * 16.0;
-                    let [x, y] = &mut strips[frame.quarter() as usize];
+                    let [x, y] = &mut strips[frame.checkerboard_phase() as usize];
                     x.insert(place.x as u32);
                     y.insert(place.y as u32);
                 }
                 let seen = strips.map(|axes| axes.map(|strips| strips.len()));
-                assert_eq!(seen, [[16; 2]; 4], "{turns} sets, from frame {}", frames * 64);
+                assert_eq!(seen, [[16; 2]; 4], "cycles of {cycle_length}, from frame {}", frames * 64);
             }
-            assert_eq!(met.len(), 4 * turns as usize, "{turns} sets");
+            assert_eq!(met.len(), 4 * cycle_length as usize, "cycles of {cycle_length}");
         }
     }
 

@@ -18,7 +18,7 @@ use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, 
 /// Levels of the filter.
 const LEVELS: u32 = 5;
 
-/// Pixels of 2 x 2 have samples of different sets, so their means differ: the filter's first level evens that out, whatever the difference.
+/// Pixels of 2 x 2 have samples of different frames, so their means differ: the filter's first level evens that out, whatever the difference.
 const FIRST_TOLERANCE: f32 = 1e4;
 
 /// Share of the frames from which on the picture fades to the mean, however noisy that is.
@@ -26,14 +26,12 @@ const FADE_START: f32 = 0.5;
 
 /// Irradiance of the visible surfaces as one frame has sampled it: an unbiased estimate that nothing has filtered.
 pub struct SampledIrradiance<'a> {
-    /// rgb, RGBA16F or RGBA32F; a texel for one pixel of `step` x `step`.
+    /// rgb, RGBA16F or RGBA32F; a texel for each pixel, or for each 2 x 2.
     pub image: &'a Image,
     /// Irradiance over what the image holds.
     pub scale: f32,
-    /// Pixels from one texel to the next: 1 or 2.
-    pub step: u32,
-    /// The pixel that a texel stands for, counted from the first of those.
-    pub offset: [u32; 2],
+    /// The pixel of each 2 x 2 that was sampled; none: all were.
+    pub checkerboard: Option<[u32; 2]>,
 }
 
 /// The pass reads these.
@@ -52,7 +50,7 @@ pub struct StillInputs<'a> {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct MeanPush {
     counts: [u32; 4],
-    represented: [u32; 2],
+    sampled_pixel: [u32; 2],
     sample_step: u32,
     scale: f32,
     adds: u32,
@@ -148,18 +146,19 @@ impl StillPass {
         still: &StillInputs<'_>,
         denoised: &Image,
     ) -> Result<(), VulkanError> {
-        let SampledIrradiance { image, scale, step, offset } = still.irradiance;
+        let SampledIrradiance { image, scale, checkerboard } = still.irradiance;
+        let sampled_pixel = checkerboard.unwrap_or_default();
         let averaged = inputs.clock.averaged();
         if averaged == Some(0) {
             self.counts = [0; 4];
         }
         if averaged.is_some() {
-            self.counts[(offset[0] + 2 * offset[1]) as usize] += 1;
+            self.counts[(sampled_pixel[0] + 2 * sampled_pixel[1]) as usize] += 1;
         }
         let push = MeanPush {
             counts: self.counts,
-            represented: offset,
-            sample_step: step,
+            sampled_pixel,
+            sample_step: if checkerboard.is_some() { 2 } else { 1 },
             scale,
             adds: u32::from(averaged.is_some()),
         };

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::denoise::Use;
+use crate::effects::EffectDescription;
 use crate::effects::soft_shadows::SoftShadows;
 use crate::estimators;
 use crate::gpu_scene::tracer::TracerVariant;
@@ -22,6 +24,34 @@ pub(super) struct DirectPasses {
     pub shading: DirectShadingPass,
     /// Only where there are thin surfaces.
     pub thin_surfaces: Option<ThinSurfacesPass>,
+}
+
+/// Direct light is made of this alone, for a tracer.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DirectDescription {
+    size: [u32; 2],
+    shadows: ShadowDescription,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum ShadowDescription {
+    Hard,
+    Soft(EffectDescription),
+    Estimator,
+}
+
+impl DirectDescription {
+    /// The part of the settings that direct light sees.
+    pub fn of(settings: &Settings) -> Self {
+        let shadows = match settings.direct {
+            Direct::Hard => ShadowDescription::Hard,
+            Direct::Auto | Direct::Soft => {
+                ShadowDescription::Soft(EffectDescription::of(settings, Use::SoftShadows))
+            }
+            Direct::Paths => ShadowDescription::Estimator,
+        };
+        Self { size: settings.size, shadows }
+    }
 }
 
 /// What casts the shadows of lights.
@@ -46,22 +76,22 @@ impl DirectPasses {
     pub fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        settings: &Settings,
+        description: &DirectDescription,
     ) -> Result<Self, VulkanError> {
-        let thin_surfaces =
-            tracer.thin_surfaces.then(|| ThinSurfacesPass::new(device, tracer, settings.size));
-        let (shadows, shader) = match settings.direct {
-            Direct::Hard => {
-                let pass = DirectShadowsPass::new(device, tracer, settings.size)?;
+        let size = description.size;
+        let thin_surfaces = tracer.thin_surfaces.then(|| ThinSurfacesPass::new(device, tracer, size));
+        let (shadows, shader) = match &description.shadows {
+            ShadowDescription::Hard => {
+                let pass = DirectShadowsPass::new(device, tracer, size)?;
                 (ShadowPasses::Hard(Box::new(pass)), DirectShader::Hard)
             }
-            Direct::Auto | Direct::Soft => {
-                let effect = SoftShadows::new(device, tracer, settings)?;
+            ShadowDescription::Soft(effect) => {
+                let effect = SoftShadows::new(device, tracer, effect)?;
                 (ShadowPasses::Soft(Box::new(effect)), DirectShader::Soft)
             }
-            Direct::Paths => (ShadowPasses::Estimator, DirectShader::Unlit),
+            ShadowDescription::Estimator => (ShadowPasses::Estimator, DirectShader::Unlit),
         };
-        let shading = DirectShadingPass::new(device, tracer.thin_surfaces, shader, settings.size)?;
+        let shading = DirectShadingPass::new(device, tracer.thin_surfaces, shader, size)?;
         Ok(Self { shadows, shading, thin_surfaces: thin_surfaces.transpose()? })
     }
 

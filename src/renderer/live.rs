@@ -5,13 +5,14 @@
 use std::sync::Arc;
 
 use super::direct::resolved;
-use super::shared::indirect_denoiser;
+use super::shared::{SharedDescription, SharedPasses, indirect_description};
 use super::{PreparedScene, RenderError, Renderer, tracer_choice};
-use crate::effects::reflections::traces_reflections;
+use crate::denoise;
 use crate::estimators::{self, EstimatorContext, World};
 use crate::gpu_scene::tracer::{Tracer, TracerVariant};
 use crate::scene::{Pose, Scene};
 use crate::settings::Settings;
+use crate::vulkan::VulkanError;
 
 impl Renderer {
     /// Goes on with other settings, which were checked, from the next frame on; `pose` is where everything
@@ -30,23 +31,16 @@ impl Renderer {
         let variant = TracerVariant { tracer: kind, ..self.gpu_scene.variant() };
         self.bvh.update(&pose.instances);
 
-        // Make what the change replaces.
+        // Make what the change replaces. What a part was made of tells whether it stays.
         let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
-        let made_of = |of: &Settings| {
-            (
-                of.indirect,
-                of.size,
-                of.antialiasing,
-                of.direct,
-                of.reflections,
-                of.effects,
-                of.svgf,
-                of.still_frames > 0,
-            )
+        let shared = SharedDescription::of(variant, &self.scene, settings);
+        let passes = self.remade(shared)?;
+        let described = indirect_description(settings);
+        let denoiser = if described == indirect_description(&self.resolved) {
+            None
+        } else {
+            Some(denoise::make(&device, &described)?)
         };
-        let remade = || self.passes.remade(&device, variant, &self.scene, settings);
-        let passes =
-            if retraced || made_of(settings) != made_of(&self.resolved) { Some(remade()?) } else { None };
         let context = EstimatorContext {
             device: &device,
             tracer: variant,
@@ -56,6 +50,7 @@ impl Renderer {
         };
         // Frames in flight still use what is to be replaced.
         device.wait_idle()?;
+        // The estimator last: if it fails, it goes on as before, and so does all else.
         if settings.indirect == self.resolved.indirect {
             self.estimator.change(&context)?;
         } else {
@@ -66,14 +61,13 @@ impl Renderer {
             self.reports = reports;
             self.estimator = estimator;
         }
-        let denoiser_of = |of: &Settings| (of.indirect, of.size, of.effects.denoise, of.svgf, of.bmfr);
-        if denoiser_of(settings) != denoiser_of(&self.resolved) {
-            self.indirect_denoiser = indirect_denoiser(&device, &*self.estimator, settings)?;
-        }
 
         // From here on nothing fails.
         if let Some(passes) = passes {
             self.passes = passes;
+        }
+        if let Some(denoiser) = denoiser {
+            self.indirect_denoiser = denoiser;
         }
         if let Some(tracer) = tracer {
             self.gpu_scene.set_tracer(tracer);
@@ -101,9 +95,7 @@ impl Renderer {
             return self.replace_scene(PreparedScene::new(scene), &settings, pose);
         }
         let changes = self.gpu_scene.changes_for(&self.device, scene, &self.bvh)?;
-        let reflects = traces_reflections(scene, &self.resolved) != self.passes.reflections.is_some();
-        let remade = || self.passes.remade(&self.device, self.gpu_scene.variant(), scene, &self.resolved);
-        let passes = if reflects { Some(remade()?) } else { None };
+        let passes = self.remade(SharedDescription::of(self.gpu_scene.variant(), scene, &self.resolved))?;
         // Frames in flight still use what is to be replaced.
         self.device.wait_idle()?;
 
@@ -119,6 +111,12 @@ impl Renderer {
         self.bvh.update(&pose.instances);
         self.estimator.change_scene(World { scene, pose, bvh: &self.bvh });
         Ok(())
+    }
+
+    /// The shared passes of a description, if it is another one.
+    fn remade(&self, description: SharedDescription) -> Result<Option<SharedPasses>, VulkanError> {
+        let is_other = description != self.passes.description;
+        is_other.then(|| self.passes.remade(&self.device, description)).transpose()
     }
 
     /// The scene in use.

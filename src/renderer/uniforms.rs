@@ -28,8 +28,8 @@ impl Renderer {
     pub(super) fn clock_inputs(&self) -> ClockInputs {
         let is_picture = self.view.is_picture();
         ClockInputs {
-            turns: self.estimator.turns(),
-            is_settled: self.estimator.is_settled(),
+            cycle_length: self.estimator.cycle_length(),
+            equals_restart: self.estimator.equals_restart(),
             still_frames: if is_picture { self.resolved.still_frames } else { 0 },
             is_jittered: is_picture && self.resolved.antialiasing == Antialiasing::Taa,
         }

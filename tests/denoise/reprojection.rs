@@ -144,6 +144,31 @@ fn depths_are_compared_where_the_surface_was() {
     assert!(row[40..50].iter().all(|masks| *masks == [0, 0]), "{:?}", &row[40..50]);
 }
 
+/// 12 bits of the number would take some of these for one another, or for no surface.
+#[test]
+fn five_thousand_instances_are_told_apart() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    // The last one comes nearer, from depth 5 to 4.
+    let mut then_over_now = vec![1.0; 5_000];
+    then_over_now[4_999] = 1.25;
+    let mut reprojection = Reprojection::new(gpu, &then_over_now);
+    let then =
+        [(4_093, 10, 5, 4.0), (4_095, 20, 5, 4.0), (1, 30, 5, 4.0), (4_999, 40, 5, 5.0), (903, 50, 5, 4.0)];
+    // The first stays; others stand where one did whose number is the same in 12 bits, or where nothing could be told.
+    let now = [
+        (4_093, 10, 5, 4.0),
+        (4_094, 20, 5, 4.0),
+        (4_097, 30, 5, 4.0),
+        (4_999, 40, 5, 4.0),
+        (4_999, 50, 5, 4.0),
+    ];
+    reprojection.frame(&then, [0.0; 2]);
+    let found = reprojection.frame(&now, [0.0; 2]);
+    let row = &found[10 * WIDTH..11 * WIDTH];
+    let is_found = [12, 22, 32, 42, 52].map(|column: usize| row[column][0] & 1 == 1);
+    assert_eq!(is_found, [true, false, false, true, false], "{row:?}");
+}
+
 #[test]
 fn each_test_can_be_left_out() {
     let all = EffectSettings::default();

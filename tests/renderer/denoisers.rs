@@ -2,11 +2,12 @@
 
 use std::ffi::OsString;
 use std::fs;
+use std::sync::Arc;
 
 use clap::ValueEnum;
-use glowworm::denoise::{self, Denoiser, DenoiserContext, DenoiserInputs, DenoiserPass, Method, Use};
+use glowworm::denoise::{self, Denoiser, DenoiserDescription, DenoiserInputs, DenoiserPass, Method, Use};
 use glowworm::settings::Denoise;
-use glowworm::vulkan::{ComputePipeline, Frame, Image, ImageDescription, VulkanError, shaders, vk};
+use glowworm::vulkan::{ComputePipeline, Device, Frame, Image, ImageDescription, VulkanError, shaders, vk};
 use glowworm::{cli, denoiser_pass};
 
 use super::reflections::{settings, stage};
@@ -20,12 +21,12 @@ const METHOD: Method = Method { passes: &[PASS], ..Method::new(TOY, make) };
 /// Its result is the same on each surface, whatever the signal.
 struct Toy(Use, ComputePipeline, Image);
 
-fn make(context: &DenoiserContext<'_>) -> Result<Box<dyn Denoiser>, VulkanError> {
-    let (extent, usage) = (context.extent, vk::ImageUsageFlags::STORAGE);
-    let (device, format) = (context.device, vk::Format::R16G16B16A16_SFLOAT);
+fn make(device: &Arc<Device>, description: &DenoiserDescription) -> Result<Box<dyn Denoiser>, VulkanError> {
+    let (extent, usage) = (description.extent, vk::ImageUsageFlags::STORAGE);
+    let format = vk::Format::R16G16B16A16_SFLOAT;
     let image = ImageDescription { name: "toy", format, extent, layers: None, levels: 1, usage };
     let pipeline = ComputePipeline::new(device, "toy", shaders::AMBIENT_COMP)?;
-    Ok(Box::new(Toy(context.usage, pipeline, Image::new(device, &image)?)))
+    Ok(Box::new(Toy(description.usage, pipeline, Image::new(device, &image)?)))
 }
 
 impl Denoiser for Toy {

@@ -2,6 +2,7 @@
 
 use glowworm::settings::{Antialiasing, Indirect, Settings, VplSettings};
 
+use super::support::depth::quick_or_all;
 use super::support::{GpuFixture, named_scene, plain};
 
 /// Bytes that grow with the picture and the VPLs, as in docs/PERFORMANCE.md, "Memory".
@@ -90,7 +91,10 @@ fn memory_grows_as_computed() {
         ([320, 200], 512, 4, 6),
         ([320, 200], 512, 4, 8),
         ([128, 64], 65_536, 64, 4),
-    ] {
+    ]
+    .into_iter()
+    .step_by(quick_or_all(3, 1))
+    {
         let (used, computed) = of(size, vpls, sets, interleave);
         let (grown, expected) = ((used - rest) as f64, (computed - least) as f64);
         // Besides what grows with the picture there are the VPLs in flight, 64 bytes each.

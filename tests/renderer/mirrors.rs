@@ -54,7 +54,7 @@ vfov_deg = 40
 
 /// Light at hits holds a bounce more than the path tracer has: VPLs stand for all bounces at the hit, as at surfaces that are seen.
 #[test]
-#[ignore = "long; above_the_limit_the_lobe_gets_irradiance_and_both_blend is quicker"]
+#[ignore = "long; a_sheet_before_a_mirror_tints_it_twice is quicker"]
 fn a_mirror_shows_the_light_of_vpls() {
     let Some(gpu) = GpuFixture::open() else { return };
     let size = [64, 48];
@@ -155,6 +155,7 @@ fn mirrors() -> Arc<Scene> {
 }
 
 #[test]
+#[ignore = "long; still::what_freezes_depends_on_no_past is quicker"]
 fn frozen_mirrors_depend_on_no_past() {
     let smooth = all_in_use();
     let effects = EffectSettings { denoise: Denoise::NONE, noise: Noise::White, ..smooth.effects };
@@ -167,6 +168,7 @@ fn frozen_mirrors_depend_on_no_past() {
 }
 
 #[test]
+#[ignore = "long; live::changed_settings_end_as_a_fresh_renderer_bit_for_bit is quicker"]
 fn changes_while_it_runs_end_as_a_fresh_renderer() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = mirrors();
@@ -204,6 +206,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
 }
 
 #[test]
+#[ignore = "long; reflections::denoised_stills_are_like_the_truth is quicker"]
 fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
     let Some(gpu) = GpuFixture::open() else { return };
     let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);

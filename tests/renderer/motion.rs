@@ -128,6 +128,7 @@ fn a_moving_object_keeps_its_history() {
 }
 
 #[test]
+#[ignore = "long; forgetting::a_moved_object_is_forgotten is quicker"]
 fn what_has_moved_is_forgotten() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(&HALL.replace("dynamic = true\n", ""));
@@ -285,6 +286,7 @@ fn black_at_the_edge(gpu: &GpuFixture, scene: &Arc<Scene>) -> [usize; 2] {
 }
 
 #[test]
+#[ignore = "long; disocclusion_does_not_darken is quicker"]
 fn what_a_turning_camera_brings_in_is_not_black() {
     let Some(gpu) = GpuFixture::open() else { return };
     let assets = assets();

@@ -40,6 +40,7 @@ fn rgb(picture: &Picture, x: usize, y: usize) -> [u8; 3] {
 }
 
 #[test]
+#[ignore = "long; vpls_that_became_invalid_flash_with_their_reason is quicker"]
 fn vpls_are_drawn_where_they_are() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);
@@ -76,6 +77,7 @@ fn vpls_are_drawn_where_they_are() {
 }
 
 #[test]
+#[ignore = "long; lines_that_begin_behind_the_eye_are_cut_off is quicker"]
 fn lines_cover_what_lies_on_them_and_nothing_else() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = scene(STUDIO);

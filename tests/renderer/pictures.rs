@@ -4,6 +4,7 @@ use super::support::{GpuFixture, assets, luminance, mean, named_scene, plain};
 use glowworm::settings::{Settings, VplSettings};
 
 #[test]
+#[ignore = "long; shadows::sponza_is_lit_as_in_the_reference is quicker"]
 fn the_real_scenes_render() {
     let Some(gpu) = GpuFixture::open() else { return };
     let Some(assets) = assets() else { return };

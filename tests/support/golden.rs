@@ -52,7 +52,12 @@ pub fn reference(name: &str, scene: &Scene, size: [u32; 2], bounces: u32, spp: u
 
 /// The reference in a file; an error if it is not that of so many samples, or its first samples are not these.
 fn read(file: &Path, first: &[f32], spp: u64) -> Result<Picture, String> {
-    let picture = Picture::read_exr(file).map_err(|error| error.to_string())?;
+    let mut picture = Picture::read_exr(file).map_err(|error| error.to_string())?;
+    // Files have them in the order of the alphabet.
+    picture
+        .layers
+        .iter_mut()
+        .for_each(|layer| layer.channels.sort_by_key(|(name, _)| "RGB".find(name.as_str())));
     let samples: u64 = picture.notes.get(SAMPLES).and_then(|samples| samples.parse().ok()).unwrap_or(0);
     if samples < spp {
         return Err(format!("it has {samples} samples a pixel of {spp}"));

@@ -185,7 +185,7 @@ impl Estimator for Paths {
 
     /// Before any filter, which would bring light of earlier frames.
     fn sampled(&self) -> SampledIrradiance<'_> {
-        SampledIrradiance { image: &self.irradiance, scale: 1.0, step: 1, offset: [0; 2] }
+        SampledIrradiance { image: &self.irradiance, scale: 1.0, checkerboard: None }
     }
 
     fn light_hits(

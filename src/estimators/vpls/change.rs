@@ -4,16 +4,16 @@
 //! picture, reprojected like any others, until every new set has been rendered; the new ones are shown where the old ones saw nothing.
 
 use super::indirect_reprojection::IndirectReprojectionPass;
-use super::indirect_shading::IndirectShadingPass;
+use super::indirect_shading::{IndirectShadingPass, filter_constants};
 use super::indirect_shadows::IndirectShadowsPass;
-use super::set_buffers::{SetBuffers, set_step};
+use super::manager::VplDistribution;
+use super::set_buffers::{SetBuffers, SetLayout};
 use super::staleness::Staleness;
 use super::swept_bounds::SweptBounds;
-use super::vpl_buffer::VplBuffer;
+use super::vpl_buffer::{VplBuffer, VplRoom};
 use super::vpl_light::VplLightPass;
 use super::{Passes, VplManager, Vpls};
 use crate::estimators::EstimatorContext;
-use crate::settings::{Settings, VplSettings};
 use crate::vulkan::VulkanError;
 
 impl Vpls {
@@ -23,20 +23,22 @@ impl Vpls {
         let (old, new) = (&self.settings, settings);
         let retraced = tracer != self.tracer;
         let resized = new.size != old.size;
-        let interleaved = new.vpl.interleave != old.vpl.interleave;
-        let other_sets = resized
-            || new.vpl.temporal_sets != old.vpl.temporal_sets
-            || set_step(&new.vpl) != set_step(&old.vpl);
+        let (old_paths, new_paths) = (VplDistribution::of(old), VplDistribution::of(new));
 
-        // Make the new parts first, so that a failure leaves everything as it was.
+        // Make the new parts first, so that a failure leaves everything as it was. What a part was made of tells whether it stays.
         let shadows = made_if(retraced || resized || new.vpl != old.vpl, || {
-            IndirectShadowsPass::new(device, tracer, new)
+            IndirectShadowsPass::new(device, tracer, new.size, &new.vpl)
         })?;
-        let refiltered = interleaved || set_step(&new.vpl) != set_step(&old.vpl);
-        let shading = made_if(refiltered, || IndirectShadingPass::new(device, &new.vpl))?;
-        let reprojection = made_if(resized, || IndirectReprojectionPass::new(device, new.size))?;
-        let sets = made_if(other_sets, || SetBuffers::new(device, new.size, &new.vpl, self.instances))?;
-        let vpls = made_if(buffer_key(new) != buffer_key(old), || VplBuffer::new(device, &new.vpl))?;
+        let shading = made_if_other(filter_constants(&old.vpl), filter_constants(&new.vpl), |constants| {
+            IndirectShadingPass::new(device, constants)
+        })?;
+        let reprojection =
+            made_if_other(old.size, new.size, |size| IndirectReprojectionPass::new(device, *size))?;
+        let sets = made_if_other(SetLayout::of(old), SetLayout::of(new), |layout| {
+            SetBuffers::new(device, layout, self.instances)
+        })?;
+        let vpls =
+            made_if_other(VplRoom::of(&old.vpl), VplRoom::of(&new.vpl), |room| VplBuffer::new(device, room))?;
         let shows_light = self.views.vpl_light.is_some() && (retraced || resized);
         let vpl_light = made_if(shows_light, || VplLightPass::new(device, tracer, new.size))?;
 
@@ -56,11 +58,11 @@ impl Vpls {
         if vpl_light.is_some() {
             self.views.vpl_light = vpl_light;
         }
-        if new.vpl.temporal_sets != old.vpl.temporal_sets || path_key(new) != path_key(old) {
+        if new_paths != old_paths {
             self.staleness = Staleness::new(new.vpl.temporal_sets);
             self.swept = SweptBounds::new(context.world.scene, new.vpl.temporal_sets);
         }
-        if path_key(new) == path_key(old) {
+        if new_paths == old_paths {
             self.manager.set_budget(new.vpl.budget);
             self.manager.set_size(new.size);
         } else {
@@ -81,17 +83,13 @@ impl Passes {
     }
 }
 
-/// The settings that decide how much room VPLs need on the device.
-fn buffer_key(settings: &Settings) -> [u32; 2] {
-    [settings.vpl.pool_size(), settings.vpl.temporal_sets]
-}
-
-/// The settings that decide which VPLs there are and how they are assigned to sets, all others at their defaults.
-fn path_key(settings: &Settings) -> Settings {
-    let Settings { direct, bounces, seed, vpl, .. } = *settings;
-    let VplSettings { slots, pool, candidates, temporal_sets, sequence, .. } = vpl;
-    let vpl = VplSettings { slots, pool, candidates, temporal_sets, sequence, ..VplSettings::default() };
-    Settings { direct, bounces, seed, vpl, ..Settings::default() }
+/// Makes a part of `new` settings, if they are others.
+fn made_if_other<Part, Made: PartialEq>(
+    old: Made,
+    new: Made,
+    make: impl FnOnce(&Made) -> Result<Part, VulkanError>,
+) -> Result<Option<Part>, VulkanError> {
+    made_if(old != new, || make(&new))
 }
 
 fn made_if<T>(wanted: bool, make: impl FnOnce() -> Result<T, VulkanError>) -> Result<Option<T>, VulkanError> {

@@ -14,12 +14,16 @@ pub struct IndirectShadingPass {
     filter: ComputePipeline,
 }
 
+/// What the filter depends on: `INTERLEAVE` and `SET_STEP` in shaders/estimators/vpls/discontinuity_filter.comp.
+pub fn filter_constants(settings: &VplSettings) -> [u32; 2] {
+    [settings.interleave, set_step(settings)]
+}
+
 impl IndirectShadingPass {
-    /// Makes the pipeline.
-    pub fn new(device: &Arc<Device>, settings: &VplSettings) -> Result<Self, VulkanError> {
-        let constants = [settings.interleave, set_step(settings)];
+    /// Makes the pipeline, with the constants of [`filter_constants`] alone.
+    pub fn new(device: &Arc<Device>, constants: &[u32; 2]) -> Result<Self, VulkanError> {
         let filter = shaders::DISCONTINUITY_FILTER_COMP;
-        Ok(Self { filter: ComputePipeline::specialised(device, "discontinuity_filter", filter, &constants)? })
+        Ok(Self { filter: ComputePipeline::specialised(device, "discontinuity_filter", filter, constants)? })
     }
 
     /// Filters into the set's layer of the set buffers.

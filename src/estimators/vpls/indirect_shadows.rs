@@ -11,7 +11,7 @@ use super::vpl_buffer::UploadedSet;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image;
-use crate::settings::{Settings, VplSettings};
+use crate::settings::VplSettings;
 use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// Rays of a texel in one dispatch, at most: watchdogs of GPUs end long ones.
@@ -74,22 +74,23 @@ impl IndirectShadowsPass {
     pub fn new(
         device: &Arc<Device>,
         tracer: TracerVariant,
-        settings: &Settings,
+        size: [u32; 2],
+        settings: &VplSettings,
     ) -> Result<Self, VulkanError> {
         let traced = |name, shader| tracer.pipeline(device, name, shader, &[]);
         let sampling = traced("vpl_sampling", shaders::VPL_SAMPLING_COMP)?;
         let visibility = traced("cluster_visibility", shaders::CLUSTER_VISIBILITY_COMP)?;
         let compensate = traced("bias_compensation", shaders::BIAS_COMPENSATION_COMP)?;
-        let step = set_step(&settings.vpl);
-        let extent = settings.size.map(|side| side.div_ceil(step));
+        let step = set_step(settings);
+        let extent = size.map(|side| side.div_ceil(step));
         let tiles = extent.map(|side| u64::from(side.div_ceil(TILE)));
         let blocks = tiles.map(|tiles| tiles * u64::from(TILE / BLOCK) + 1);
         Ok(Self {
             visibility,
             sampling,
             compensate,
-            set_share: 1.0 / settings.vpl.temporal_sets as f32,
-            bounded: settings.vpl.clamp > 0.0,
+            set_share: 1.0 / settings.temporal_sets as f32,
+            bounded: settings.clamp > 0.0,
             step,
             cluster_weights: Buffer::new(
                 device,

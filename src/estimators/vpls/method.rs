@@ -18,6 +18,7 @@ pub const METHOD: Method = Method {
     rays: |Settings { vpl, .. }| vpl.slots.div_ceil(vpl.temporal_sets * vpl.interleave.pow(2)),
     lights_hits: true,
     noise: SignalNoise::Variance,
+    signal_step: 2,
     ..Method::new(Indirect::VPLS, "VPLs", |context| Ok(Box::new(Vpls::new(context)?)))
 };
 

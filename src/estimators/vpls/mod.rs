@@ -165,11 +165,11 @@ impl Vpls {
 }
 
 impl Estimator for Vpls {
-    fn turns(&self) -> u32 {
+    fn cycle_length(&self) -> u32 {
         self.settings.vpl.temporal_sets
     }
 
-    fn is_settled(&self) -> bool {
+    fn equals_restart(&self) -> bool {
         self.manager.is_fresh()
     }
 
@@ -184,7 +184,7 @@ impl Estimator for Vpls {
             }
             None => self.manager.replace(world),
         };
-        let set = clock.turn();
+        let set = clock.cycle_phase();
         self.staleness.advance(&self.manager, self.median_segment_length);
         let rerendered = self.staleness.stalest(set, self.settings.vpl.refresh);
         let longest = self.settings.vpl.longest_history;
@@ -235,7 +235,7 @@ impl Estimator for Vpls {
         for sampled @ SampledSet { set, vpls, .. } in rendered {
             let is_due = *set == self.frame_set.set;
             let representative =
-                passes.sets.representative(if is_due { inputs.clock.quarter() } else { *set });
+                passes.sets.representative(if is_due { inputs.clock.checkerboard_phase() } else { *set });
             let uniforms = VplUniforms {
                 layer: *set,
                 representative,
@@ -280,13 +280,12 @@ impl Estimator for Vpls {
 
     fn sampled(&self) -> SampledIrradiance<'_> {
         let sets = &self.passes.sets;
-        let offset = self.uploaded.as_ref().map_or([0; 2], |set| set.representative);
+        let sampled_pixel = self.uploaded.as_ref().map_or([0; 2], |set| set.representative);
         SampledIrradiance {
             image: self.passes.indirect_shadows.output(),
             scale: self.settings.vpl.temporal_sets as f32
                 / irradiance_scale(&self.frame_set.flux, self.median_segment_length),
-            step: sets.step(),
-            offset,
+            checkerboard: (sets.step() == 2).then_some(sampled_pixel),
         }
     }
 

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::indirect_reprojection::IndirectReprojectionPass;
-use super::indirect_shading::IndirectShadingPass;
+use super::indirect_shading::{IndirectShadingPass, filter_constants};
 use super::indirect_shadows::IndirectShadowsPass;
-use super::set_buffers::{Holes, SetBuffers, SetPush};
-use super::vpl_buffer::{UploadedSet, VplBuffer};
+use super::set_buffers::{Holes, SetBuffers, SetLayout, SetPush};
+use super::vpl_buffer::{UploadedSet, VplBuffer, VplRoom};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::settings::{MissingSets, Settings};
@@ -59,11 +59,11 @@ impl Passes {
     ) -> Result<Self, VulkanError> {
         let Settings { size, ref vpl, .. } = *settings;
         Ok(Self {
-            vpls: VplBuffer::new(device, vpl)?,
-            indirect_shadows: IndirectShadowsPass::new(device, tracer, settings)?,
-            indirect_shading: IndirectShadingPass::new(device, vpl)?,
+            vpls: VplBuffer::new(device, &VplRoom::of(vpl))?,
+            indirect_shadows: IndirectShadowsPass::new(device, tracer, size, vpl)?,
+            indirect_shading: IndirectShadingPass::new(device, &filter_constants(vpl))?,
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
-            sets: SetBuffers::new(device, size, vpl, instances)?,
+            sets: SetBuffers::new(device, &SetLayout::of(settings), instances)?,
             settled: None,
         })
     }

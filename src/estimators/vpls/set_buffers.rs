@@ -14,7 +14,7 @@ use crate::gpu_scene::to_u32;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::passes::storage_image_array;
 use crate::scene::Camera;
-use crate::settings::{MissingSets, SetResolution, VplSettings};
+use crate::settings::{MissingSets, SetResolution, Settings, VplSettings};
 use crate::vulkan::{Buffer, Device, Frame, Image, Pass, VulkanError, vk};
 
 /// A camera, as what its pixels see.
@@ -148,33 +148,28 @@ pub fn set_step(settings: &VplSettings) -> u32 {
     }
 }
 
+/// Set buffers are made of this alone, for a number of instances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetLayout {
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// Temporal sets.
+    pub sets: u32,
+    /// Pixels from one texel to the next: 1 or 2.
+    pub step: u32,
+}
+
+impl SetLayout {
+    /// The part of the settings that set buffers see.
+    pub fn of(settings: &Settings) -> Self {
+        Self { size: settings.size, sets: settings.vpl.temporal_sets, step: set_step(&settings.vpl) }
+    }
+}
+
 impl SetBuffers {
-    /// Makes set buffers for pictures of `size` pixels, none of them rendered yet.
-    pub fn new(
-        device: &Arc<Device>,
-        size: [u32; 2],
-        settings: &VplSettings,
-        instances: usize,
-    ) -> Result<Self, VulkanError> {
-        Self::with_step(device, size, (settings.temporal_sets, set_step(settings)), instances)
-    }
-
-    /// The same with a texel for each pixel.
-    pub fn of_full_resolution(
-        device: &Arc<Device>,
-        size: [u32; 2],
-        settings: &VplSettings,
-        instances: usize,
-    ) -> Result<Self, VulkanError> {
-        Self::with_step(device, size, (settings.temporal_sets, 1), instances)
-    }
-
-    fn with_step(
-        device: &Arc<Device>,
-        size: [u32; 2],
-        (sets, step): (u32, u32),
-        instances: usize,
-    ) -> Result<Self, VulkanError> {
+    /// Makes set buffers, none of them rendered yet.
+    pub fn new(device: &Arc<Device>, layout: &SetLayout, instances: usize) -> Result<Self, VulkanError> {
+        let SetLayout { size, sets, step } = *layout;
         let format = vk::Format::R16G16B16A16_UINT;
         let instances = instances + 1;
         let texels = sets as usize * (1 + 3 * instances);
@@ -221,11 +216,11 @@ impl SetBuffers {
         self.flux.iter().all(Option::is_some)
     }
 
-    /// The pixel that texels stand for in a [quarter](crate::passes::clock::FrameClock::quarter) of the frames, counted from the first of
+    /// The pixel that texels stand for in a [phase](crate::passes::clock::FrameClock::checkerboard_phase) of the checkerboard, counted from the first of
     /// theirs.
-    pub fn representative(&self, quarter: u32) -> [u32; 2] {
+    pub fn representative(&self, phase: u32) -> [u32; 2] {
         const OFFSETS: [[u32; 2]; 4] = [[0, 0], [1, 1], [1, 0], [0, 1]];
-        if self.step == 1 { [0, 0] } else { OFFSETS[quarter as usize % 4] }
+        if self.step == 1 { [0, 0] } else { OFFSETS[phase as usize % 4] }
     }
 
     /// The layer that the set to be rendered next is written to.

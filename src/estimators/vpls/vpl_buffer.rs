@@ -78,11 +78,26 @@ pub struct VplBuffer {
     vpl_room: usize,
 }
 
+/// The room that VPLs need on the device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VplRoom {
+    /// In all sets.
+    vpls: u32,
+    sets: u32,
+}
+
+impl VplRoom {
+    /// The part of the settings that the buffer sees.
+    pub fn of(settings: &VplSettings) -> Self {
+        Self { vpls: settings.pool_size(), sets: settings.temporal_sets }
+    }
+}
+
 impl VplBuffer {
     /// Makes room for all sets.
-    pub fn new(device: &Arc<Device>, settings: &VplSettings) -> Result<Self, VulkanError> {
-        let sets = settings.temporal_sets as usize;
-        let vpl_room = settings.pool_size().div_ceil(settings.temporal_sets) as usize;
+    pub fn new(device: &Arc<Device>, room: &VplRoom) -> Result<Self, VulkanError> {
+        let sets = room.sets as usize;
+        let vpl_room = room.vpls.div_ceil(room.sets) as usize;
         Ok(Self {
             vpls: Mirror::new(device, "vpls", sets * vpl_room * size_of::<GpuVpl>())?,
             clusters: Mirror::new(device, "vpl_clusters", sets * CLUSTERS * size_of::<VplCluster>())?,

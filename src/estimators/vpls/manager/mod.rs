@@ -37,4 +37,5 @@ pub(crate) use inspect::contribution;
 pub use inspect::{Gathering, VplContribution};
 pub use slots::{SlotHistory, SlotState, SlotView};
 pub use upload::GpuVpl;
+pub(super) use vpl_manager::VplDistribution;
 pub use vpl_manager::VplManager;

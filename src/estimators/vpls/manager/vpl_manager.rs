@@ -10,6 +10,34 @@ use crate::bvh::World;
 use crate::scene::WorldSurface;
 use crate::settings::{Direct, Settings};
 
+/// The part of the settings that decides which VPLs there are, and in which sets. A manager is made of this, of its budget and of
+/// the size of the picture, which change while it runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) struct VplDistribution {
+    layout: Layout,
+    vpls_per_slot: u32,
+    candidates: u32,
+    area_lights_shine: bool,
+}
+
+impl VplDistribution {
+    /// That of the settings.
+    pub(in super::super) fn of(settings: &Settings) -> Self {
+        Self {
+            layout: Layout {
+                slots: settings.vpl.pool_size(),
+                bounces: settings.bounces.clamp(1, MAX_BOUNCES as u32),
+                sets: settings.vpl.temporal_sets.max(1),
+                seed: settings.seed,
+                sequence: settings.vpl.sequence,
+            },
+            vpls_per_slot: settings.vpl.vpls_per_slot(),
+            candidates: settings.vpl.candidates,
+            area_lights_shine: settings.direct != Direct::Soft,
+        }
+    }
+}
+
 /// Owns the slots. Each frame: [`Self::invalidate`], [`Self::replace`], then [`Self::set_vpls`], all with
 /// the same world.
 #[derive(Clone, Debug)]
@@ -48,17 +76,14 @@ pub struct VplManager {
 impl VplManager {
     /// Assigns the slots to the lights and shoots them all (the first fill, outside any frame's budget).
     pub fn new(world: World<'_>, settings: &Settings) -> Self {
-        let layout = Layout {
-            slots: settings.vpl.pool_size(),
-            bounces: settings.bounces.clamp(1, MAX_BOUNCES as u32),
-            sets: settings.vpl.temporal_sets.max(1),
-            seed: settings.seed,
-            sequence: settings.vpl.sequence,
-        };
+        Self::with(world, VplDistribution::of(settings), settings.vpl.budget, settings.size)
+    }
+
+    fn with(world: World<'_>, distribution: VplDistribution, budget: u32, size: [u32; 2]) -> Self {
+        let VplDistribution { layout, vpls_per_slot, candidates, area_lights_shine } = distribution;
         let changes = SceneChanges::new(world);
         let (quota, flux_corrections) = allocate_paths(&changes.claims(), &layout);
-        let mut placement =
-            Placement::new(world, settings.vpl.candidates, aspect(settings.size), &changes.bounds);
+        let mut placement = Placement::new(world, candidates, aspect(size), &changes.bounds);
         placement.estimate_candidates(world, &changes, |_| true);
         let mut manager = Self {
             assignment: Assignment::new(quota, &layout),
@@ -73,9 +98,9 @@ impl VplManager {
             changed_in: None,
             lights_changed_in: None,
             invalidations: vec![None; layout.slots as usize],
-            vpls_per_slot: settings.vpl.vpls_per_slot(),
-            budget: settings.vpl.budget.max(1),
-            area_lights_shine: settings.direct != Direct::Soft,
+            vpls_per_slot,
+            budget: budget.max(1),
+            area_lights_shine,
             layout,
             changes,
             placement,

@@ -12,8 +12,8 @@ use bytemuck::Zeroable;
 use super::manager::{GlossyLobe, GpuVpl, VplManager};
 use super::method::{AXES, COUNTERS};
 use super::scale::{geometry_bound, irradiance_scale, median_segment_length};
-use super::set_buffers::{RenderedSet, SetBuffers};
-use super::vpl_buffer::{VplBuffer, VplUniforms};
+use super::set_buffers::{RenderedSet, SetBuffers, SetLayout};
+use super::vpl_buffer::{VplBuffer, VplRoom, VplUniforms};
 use super::{RayCounters, SHADOW_RAYS};
 use crate::estimators::{Estimator, EstimatorContext, IrradianceSignal, Method, MethodPasses, World};
 use crate::passes::clock::FrameClock;
@@ -86,8 +86,9 @@ impl Tonna {
             set: 0,
             set_vpls: Vec::new(),
             flux: Vec::new(),
-            vpls: VplBuffer::new(device, &settings.vpl)?,
-            sets: SetBuffers::of_full_resolution(device, settings.size, &settings.vpl, instances)?,
+            vpls: VplBuffer::new(device, &VplRoom::of(&settings.vpl))?,
+            // A texel for each pixel.
+            sets: SetBuffers::new(device, &SetLayout { step: 1, ..SetLayout::of(&settings) }, instances)?,
             passes: TonnaPasses::new(device, context.tracer, &settings)?,
             bounces: settings.bounces,
             settings: settings.vpl,
@@ -96,11 +97,11 @@ impl Tonna {
 }
 
 impl Estimator for Tonna {
-    fn turns(&self) -> u32 {
+    fn cycle_length(&self) -> u32 {
         self.settings.temporal_sets
     }
 
-    fn is_settled(&self) -> bool {
+    fn equals_restart(&self) -> bool {
         self.manager.is_fresh()
     }
 
@@ -112,7 +113,7 @@ impl Estimator for Tonna {
             Some(still) => self.manager.reshoot(world, still),
             None => self.manager.replace(world),
         };
-        self.set = clock.turn();
+        self.set = clock.cycle_phase();
         self.set_vpls = self.manager.set_vpls(world, self.set);
         // Its VPLs are Lambertian.
         self.set_vpls.iter_mut().for_each(|vpl| vpl.lobe = GlossyLobe::NONE);
@@ -158,8 +159,7 @@ impl Estimator for Tonna {
             image: self.passes.gathered(),
             scale: (classes * self.settings.temporal_sets) as f32
                 / irradiance_scale(&self.flux, self.median_segment_length),
-            step: 1,
-            offset: [0; 2],
+            checkerboard: None,
         }
     }
 
