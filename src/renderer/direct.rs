@@ -36,7 +36,7 @@ pub(super) struct DirectDescription {
 #[derive(Clone, Debug, PartialEq)]
 enum ShadowDescription {
     Hard,
-    Soft(EffectDescription),
+    Soft(Box<EffectDescription>),
     Estimator,
 }
 
@@ -46,7 +46,7 @@ impl DirectDescription {
         let shadows = match settings.direct {
             Direct::Hard => ShadowDescription::Hard,
             Direct::Auto | Direct::Soft => {
-                ShadowDescription::Soft(EffectDescription::of(settings, Use::SoftShadows))
+                ShadowDescription::Soft(Box::new(EffectDescription::of(settings, Use::SoftShadows)))
             }
             Direct::Paths => ShadowDescription::Estimator,
         };

@@ -27,7 +27,7 @@ const KEPT: [&str; 3] = ["direct", "indirect", "reflected"];
 /// [`KEPT`]. Tests that give the same `name`, size and bounces share a file.
 ///
 /// # Panics
-/// If the reference is not there or stale. With `GLOWWORM_BLESS=1` it is traced and written then.
+/// If the reference is stale. With `GLOWWORM_BLESS=1` it is traced and written then, or where there is none.
 pub fn reference(name: &str, scene: &Scene, size: [u32; 2], bounces: u32, spp: u64) -> Picture {
     let [width, height] = size;
     if all() || u64::from(width * height) * spp <= FEW_PATHS {
@@ -46,7 +46,9 @@ pub fn reference(name: &str, scene: &Scene, size: [u32; 2], bounces: u32, spp: u
             OutputFile::new(file).unwrap().save_exr(&picture).unwrap();
             picture
         }
-        Err(why) => panic!("{}: {why}; scripts/golden traces it", file.display()),
+        // A new test has none yet.
+        Err(_) if !file.exists() => trace(scene, size, bounces, spp),
+        Err(why) => panic!("{}: {why}; scripts/golden traces it anew", file.display()),
     }
 }
 
