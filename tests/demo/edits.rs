@@ -223,8 +223,8 @@ fn objects_are_copied_and_deleted() {
     demo.discard_and_close();
 }
 
+/// Takes 50 seconds: that what is saved renders to the very picture is tried here alone in a quick run.
 #[test]
-#[ignore = "long; `visit` looks into it once"]
 fn objects_are_added() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };

@@ -32,6 +32,7 @@ fn is_lost(event: &Value) -> bool {
 }
 
 #[test]
+#[ignore = "long; cli::a_lost_device_ends_the_program_with_one_line is quicker"]
 fn the_window_goes_on_after_a_loss() {
     let _one = ONE_AT_A_TIME.lock();
     let Some(server) = XServer::open() else { return };
