@@ -21,7 +21,7 @@ const SAMPLES: &str = "samples";
 /// References of fewer paths are traced by each run: half a second.
 const FEW_PATHS: u64 = 300_000;
 /// The layers that are kept.
-const KEPT: [&str; 3] = ["direct", "indirect", "reflected"];
+const KEPT: [&str; 4] = ["direct", "indirect", "reflected", "albedo"];
 
 /// What the path tracer makes of a scene at time 0 with at least `spp` samples a pixel; of many samples only the layers
 /// [`KEPT`]. Tests that give the same `name`, size and bounces share a file.
