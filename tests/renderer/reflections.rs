@@ -415,6 +415,7 @@ fn mean_of_still_frames(
 }
 
 #[test]
+#[ignore = "long; a_light_that_goes_leaves_the_mirror is quicker"]
 fn a_box_that_moves_leaves_no_trail_in_the_mirror() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", "");

@@ -285,6 +285,7 @@ fn denoised_stills_are_like_the_truth() {
 }
 
 #[test]
+#[ignore = "long; still::what_freezes_depends_on_no_past is quicker"]
 fn a_frozen_picture_depends_on_no_past() {
     let scene = yard(&format!("{}\n[[lights]]\n{PANEL}", sun(4)));
     for (direct, antialiasing, denoise) in [
