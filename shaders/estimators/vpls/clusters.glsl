@@ -1,7 +1,7 @@
 // The VPLs of the set in clusters of neighbours, and choosing within one. Needs vpls.glsl, surface.glsl and representative.glsl.
 // Define CLUSTERS_BINDING before including. Twins: VplCluster in src/estimators/vpls/clusters.rs,
 // SamplingPush, TILE in src/estimators/vpls/indirect_shadows.rs.
-#include "choice.glsl"
+#include "reservoir.glsl"
 
 struct VplCluster {
     vec3 position;    // mean by flux; at infinity that of the directions
@@ -81,10 +81,10 @@ struct SampledVpl {
 SampledVpl choose_vpl(VplCluster cluster, Surface surface, float random) {
     uint stride = (cluster.count + MOST_CHOICES - 1u) / MOST_CHOICES;
     float at = random * float(stride);
-    Choice choice = new_choice(fract(at));
+    Reservoir reservoir = new_reservoir(fract(at));
     for (uint i = min(uint(at), stride - 1u); i < cluster.count; i += stride) {
         GpuVpl light = vpls.data[vpl.first_vpl + cluster.first + i];
-        offer(choice, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
+        update(reservoir, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
     }
-    return SampledVpl(choice.kept, choice.weight > 0.0 ? float(stride) * choice.sum / choice.weight : 0.0);
+    return SampledVpl(reservoir.selected, reservoir.weight > 0.0 ? float(stride) * reservoir.sum / reservoir.weight : 0.0);
 }

@@ -82,7 +82,7 @@ vec4 around(ivec2 pixel, Surface surface) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    bool fills = sets.holes == 2u;
+    bool fills = sets.fill_mode == 2u;
     if (fills && imageLoad(irradiance, pixel).a > 0.0) return;
     Surface surface = surface_at(pixel);
     vec4 sum = vec4(0.0);
@@ -93,7 +93,7 @@ void main() {
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
     }
     bool is_uncertain = surface.depth > 0.0 && (may_be_black_by_chance(sum) || !(is_upsampled || fills));
-    if (is_uncertain && sets.set_step == 2u && sets.holes != 1u) {
+    if (is_uncertain && sets.set_step == 2u && sets.fill_mode != 1u) {
         vec4 neighbours = around(pixel, surface);
         float few = FEW_SETS / max(sum.a, 1.0);
         float by_chance = few * few * luminance(neighbours.rgb) / max(neighbours.a, 1e-6);

@@ -23,7 +23,7 @@ struct SetPush {
     uint view;          // of vpl_view.comp
     uint frame;         // of vpl_view.comp: number of this frame
     uint rendered_step; // of vpl_view.comp: pixels from one texel of the set that this frame renders to the next
-    uint holes;         // of irradiance_upsampling.comp: 0: none of the pixels are; 1: leaves those that no set saw; 2: fills these alone
+    uint fill_mode;     // of irradiance_upsampling.comp: 0: fills all pixels; 1: leaves those that no set saw; 2: fills those alone
 };
 layout(push_constant) uniform Push { SetPush data; } push;
 SetPush sets = push.data;

@@ -77,8 +77,8 @@ impl Passes {
     /// Continues with other sets.
     fn begin_sets(&mut self, sets: SetBuffers) {
         let last = std::mem::replace(&mut self.sets, sets);
-        if self.settled.is_none() && last.is_complete() {
-            self.settled = Some(last);
+        if self.previous_sets.is_none() && last.is_complete() {
+            self.previous_sets = Some(last);
         }
     }
 }

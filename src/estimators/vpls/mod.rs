@@ -250,15 +250,15 @@ impl Estimator for Vpls {
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
             let flux = flux[*set as usize];
             let rendered = RenderedSet { set: *set, representative, irradiance_scale, flux };
-            passes.sets.note(frame, inputs, &rendered)?;
+            passes.sets.mark_rendered(frame, inputs, &rendered)?;
             last = Some(uploaded);
         }
         // There is always the set whose turn it is.
         let Some(uploaded) = last else { return Ok(()) };
-        if self.passes.sets.is_complete() && self.passes.settled.is_some() {
+        if self.passes.sets.is_complete() && self.passes.previous_sets.is_some() {
             // Frames in flight still read the old ones.
             self.device.wait_idle()?;
-            self.passes.settled = None;
+            self.passes.previous_sets = None;
         }
         let shown = self.passes.shown();
         if shown.step() == 2 {

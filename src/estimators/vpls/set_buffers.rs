@@ -88,19 +88,19 @@ pub struct SetPush {
     pub frame: u32,
     /// For a view: pixels from one texel of the set that this frame renders to the next.
     pub rendered_step: u32,
-    /// What becomes of pixels that no set saw, in shaders/estimators/vpls/irradiance_upsampling.comp.
-    pub holes: Holes,
+    /// For shaders/estimators/vpls/irradiance_upsampling.comp: which pixels it fills.
+    pub fill_mode: FillMode,
 }
 
-/// What an upsampling does with pixels that no set saw.
+/// Which pixels an upsampling fills; by default all, from neighbours where no set saw them.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Holes(u32);
+pub struct FillMode(u32);
 
-impl Holes {
-    /// Leaves them to other sets.
+impl FillMode {
+    /// Leaves the pixels that no set saw to other sets.
     pub const LEAVE: Self = Self(1);
-    /// Fills what other sets have left, and nothing else.
+    /// Fills only the pixels that other sets have left.
     pub const FILL: Self = Self(2);
 }
 
@@ -228,8 +228,8 @@ impl SetBuffers {
         self.spare
     }
 
-    /// Notes that the frame with these inputs has rendered a set into [`Self::target`].
-    pub fn note(
+    /// Records the view, flux and layer of the set that this frame has rendered into [`Self::target`].
+    pub fn mark_rendered(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
@@ -298,7 +298,7 @@ mod tests {
             view,
             frame,
             rendered_step,
-            holes
+            fill_mode
         );
     }
 }
