@@ -1,4 +1,4 @@
-// What the passes of SVGF share. Needs frame.glsl, gbuffer.glsl and visible_surface.glsl.
+// Images that the passes of SVGF share. Needs frame.glsl, gbuffer.glsl and visible_surface.glsl.
 //
 // Images of a signal, rgba16f. Light: rgb: the signal, without the albedo of the surface; a: its standard deviation, of luminance,
 // which unlike the variance keeps its precision in half floats. Moments: r: mean luminance; g: standard deviation, frame by frame;

@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// What the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
+// Radiance that the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
 // the lobe's directional albedo; a: how wide a blur is of use; at most one hit of each path that the estimator is to light; and for
 // the denoiser what is seen and where it was in the last frame: in smooth surfaces the mirror image of the hit, elsewhere the surface.
-// A thin surface before it is treated likewise, in its place or, by chance, beside it; its irradiance is that of a hit.
+// A thin surface before it is sampled in its place or, by chance, beside it; its irradiance is that of a hit.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -30,13 +30,13 @@ layout(set = 0, binding = 6) uniform utexture2D gbuffer_surface;
 #include "environment.glsl"
 #include "visible_surface.glsl"
 #include "hit_record.glsl"
-// Of the estimator.
+// Irradiance by the estimator, W/m^2.
 layout(set = 0, binding = 7) uniform texture2D irradiance;
 layout(set = 0, binding = 12, rgba16f) uniform readonly image2D reprojected;
 layout(set = 0, binding = 13, rgba16f) uniform writeonly image2D reflection;
 layout(set = 0, binding = 14, rgba32ui) uniform writeonly uimage2D hit_place;
 layout(set = 0, binding = 15, rgba16f) uniform writeonly image2D hit_weight;
-// What is seen in the reflection, as the G-buffer has it, and as denoisers keep it.
+// The surface that is seen in the reflection, as the G-buffer has it, and as denoisers keep it.
 layout(set = 0, binding = 16, r32f) uniform writeonly image2D image_depth;
 layout(set = 0, binding = 17, rgba16f) uniform writeonly image2D image_normal;
 layout(set = 0, binding = 35, rgba16ui) uniform readonly uimage2D last_image_surface;
@@ -45,7 +45,7 @@ layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reproject
 layout(set = 0, binding = 41, r32ui) uniform readonly uimage2D last_image_instance;
 layout(set = 0, binding = 42, r32ui) uniform writeonly uimage2D image_instance;
 
-// Of thin surfaces: see thin_surfaces.comp.
+// Images of thin_surfaces.comp.
 layout(set = 0, binding = 38, rgba16f) uniform readonly image2D thin_mirrored;
 layout(set = 0, binding = 39, rgba16f) uniform readonly image2D thin_transmittance;
 
@@ -86,7 +86,7 @@ const float IMAGE_BLUR = 3.0;
 const float LOBE_WIDTH = 4.0;
 // No instance plus one: indices have at most 24 bits, by Vulkan's limit.
 const uint NO_INSTANCE = 0xffffffffu;
-// What depths of a blurred mirror's surface may differ by, as it is seen where its image was.
+// Relative difference of depths up to which a blurred mirror's surface is found again, where its image was.
 const float MIRROR_TOLERANCE = 0.1;
 
 // A path with what it has gathered, over the directional albedo of the visible surface's lobe.
@@ -140,7 +140,7 @@ void shade(inout Path path, HitSurface hit, ShadingPoint at, uint instance, vec3
     }
 }
 
-// What the GGX lobe reflects of one of the lights from `first` on that rays do not meet.
+// Radiance that the GGX lobe reflects of one of the lights from `first` on that rays do not meet.
 vec3 invisible_light(ShadingPoint at, uint first, ivec2 pixel, uint dimension) {
     // Without these, visible ones send nothing.
     at.diffuse = vec3(0.0);
@@ -199,7 +199,7 @@ Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, uint first_light, 
         at.reflection = prepare_bsdf(surface.bsdf, surface.shading, -sampled.direction);
         at.diffuse = at.reflection.diffuse;
         bool goes_on = SPLIT_SUM == 0u && at.is_glossy && depth + 1u < DEPTH && reflection_weight(surface.bsdf.roughness) > 0.5;
-        // What the path goes on to see of area lights it counts there.
+        // Area lights that the path goes on to meet count there.
         at.gloss_of_areas = goes_on ? 0.0 : 1.0;
         vec3 albedo = at.diffuse;
         if (SPLIT_SUM == 1u && at.is_glossy) {
@@ -226,7 +226,7 @@ bool is_flat(ivec2 pixel, vec3 normal) {
     return true;
 }
 
-// What is seen in the reflection.
+// The surface that is seen in the reflection.
 struct SeenImage {
     vec3 position; // of the mirror image
     float depth;
@@ -353,7 +353,7 @@ void main() {
         FirstHit first;
         path = trace_path(pixel, path, begins, first_light, first);
         path.record.weight *= scale;
-        // What another surface than the one that is seen mirrors says nothing of its image.
+        // The reflection by another surface than the visible one says nothing of the image in it.
         if (!is_traced) first = FirstHit(false, 0u, 0.0, vec3(0.0), vec3(0.0), vec3(0.0));
         float blur = blur_of(surface, seen.at.reflection.alpha, first, path.record.weight != vec3(0.0));
         result = vec4(min(path.radiance * scale, MOST_HALF), blur);

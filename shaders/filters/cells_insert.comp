@@ -78,7 +78,7 @@ void insert_path(ivec2 pixel, uint first) {
     }
 }
 
-// Of paths that the next frame goes on with, by their vertices; a subgroup adds once.
+// Counts the paths that the next frame goes on with, by their vertices; a subgroup adds once.
 void count_kept(uint vertices) {
     for (uint i = 1u; i <= MOST_DEPTH; i++) {
         uint kept = subgroupAdd(vertices == i ? 1u : 0u);

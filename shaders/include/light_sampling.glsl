@@ -87,7 +87,7 @@ LightSample sample_light(uint index, ShadingPoint point, vec3 origin, vec2 u) {
     return result;
 }
 
-// What the light that was sampled sends to the eye, over the probability of having chosen it.
+// Radiance that the sampled light sends to the eye, over the probability of having chosen it.
 vec3 sampled_radiance(ShadingPoint point, ChosenLight chosen, LightSample light, vec3 origin) {
     float cosine = dot(point.surface.shading, light.to_light);
     bool faces = cosine > 0.0 && dot(point.surface.geometric, light.to_light) > 0.0;

@@ -56,7 +56,7 @@ void main() {
         float light = luminance(middle.rgb);
         vec4 sum = vec4(middle.rgb, 1.0);
         float footprint = centre.depth * pixel_footprint() * float(push.pixels * push.step);
-        // What may be black by chance stays black: irradiance_upsampling.comp fills it.
+        // A pixel that may be black by chance stays black: irradiance_upsampling.comp fills it.
         float other_surface = may_be_black_by_chance(middle) ? 0.0 : OTHER_SURFACE;
         float sum_of_variances = variance;
         for (int i = 0; i < 9; i++) {
@@ -73,7 +73,7 @@ void main() {
             bool same = known && cosine >= MIN_NORMAL_COSINE
                 && same_surface(d, centre.geometric, octahedral_decode(normals.zw), centre.depth);
             float tap_variance = imageLoad(noisy_variance, at).r;
-            // Of both texels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
+            // The tolerance takes both texels alike: by the centre's alone, a bright noisy texel would take more darkness than it gives light.
             float tolerance = push.tolerance * 0.5 * (deviation + sqrt(tap_variance));
             float likeness = exp(-abs(luminance(tap.rgb) - light) / tolerance);
             float surfaces = same ? 1.0 : known ? other_surface * neighbour_weight(cosine, d / footprint) : 0.0;

@@ -40,7 +40,7 @@ vec4 added(vec4 before, vec3 raw, float count) {
 // Weight in the variance of what the denoised picture knows better: few samples that are all dark seem to have no variance.
 const float DISAGREEMENT = 4.0;
 
-// Of a mean without noise: 0 stands for one without samples.
+// Deviation of a mean without noise: 0 stands for a mean without samples.
 const float LEAST_DEVIATION = 1e-4;
 
 // Standard deviation of the luminance of the mean.

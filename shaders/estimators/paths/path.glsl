@@ -5,14 +5,14 @@
 // Surfaces that scatter light before it arrives, at most.
 layout(constant_id = 2) const uint BOUNCES = 2u;
 
-// Of the random numbers of a path: direction; light and lobe; point of the light.
+// Dimensions of the random numbers at a vertex: direction; light and lobe; point of the light.
 const uint DIMENSIONS = 3u;
 // Blue noise for the first surface alone: further bounces scramble what it would bring.
 vec2 path_noise(ivec2 pixel, uint frame_index, uint dimension, uint bounce) {
     return bounce == 0u ? noise_of(pixel, frame_index, dimension) : white_noise_of(pixel, frame_index, dimension + bounce * DIMENSIONS);
 }
 
-// What a diffuse bounce widens a ray cone by, radians: little, so that textures keep their detail where surfaces are near.
+// Angle by which a diffuse bounce widens a ray cone, radians: small, so that textures keep their detail where surfaces are near.
 const float DIFFUSE_SPREAD = 0.1;
 
 uint environment_light() { return frame.light_count + frame.area_light_count; }

@@ -48,7 +48,7 @@ PathVertex vertex_at(ivec2 pixel, uint layer) {
     return unpack_vertex(imageLoad(path_places, place), imageLoad(path_lights, place).xy);
 }
 
-// Of this frame's path; `depth`: its number, from 1.
+// The deepest vertex of this frame's path; `depth`: its number, from 1.
 PathVertex deepest_vertex(ivec2 pixel, out uint depth) {
     PathVertex deepest = vertex_at(pixel, 0u);
     depth = 1u;

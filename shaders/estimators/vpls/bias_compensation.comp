@@ -84,7 +84,7 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
 }
 
 void main() {
-    // Of each block of spread x spread texels one casts rays, another in every set, for all of them.
+    // One texel of each block of spread x spread casts rays for all of them, another in every set.
     uint block = push.spread;
     uvec2 turn = uvec2(vpl.layer, vpl.layer / block) % block;
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy * block + turn);

@@ -19,7 +19,7 @@ const uint TILE = 16u; // texels in each direction that share what they see
 const uint BLOCK = 8u; // and that share the weights of the clusters
 
 layout(set = 0, binding = CLUSTERS_BINDING, std430) readonly buffer ClusterBlock { VplCluster data[]; } vpl_clusters;
-// What a dispatch samples.
+// The samples that a dispatch takes.
 struct SamplingPush {
     uvec2 tiles;
     uint set_step;   // pixels from one texel of the set buffers to the next

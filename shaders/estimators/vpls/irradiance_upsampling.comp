@@ -38,7 +38,7 @@ void add_coarse(inout vec4 sum, inout float weights, ivec2 texel, float weight, 
     vec3 d = position_at(2 * texel, depth) - surface.position;
     bool same = depth > 0.0 && dot(octahedral_decode(normals.xy), surface.shading) >= MIN_NORMAL_COSINE
         && same_surface(d, surface.geometric, octahedral_decode(normals.zw), surface.depth);
-    // What no set has seen has no irradiance yet.
+    // A texel that no set has seen has no irradiance yet.
     weight = same && coarse.a > 0.0 ? weight : 0.0;
     sum += weight * coarse;
     weights += weight;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// What one VPL alone sends to every pixel. Out: rgb: irradiance, weighted; a: 1 where the VPL sees the pixel.
+// Irradiance of every pixel by one VPL alone. Out: rgb: irradiance, weighted, W/m^2; a: 1 where the VPL sees the pixel.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "rounded.glsl"
