@@ -86,25 +86,25 @@ pub struct Renderer {
     resolved: Settings,
     view: DebugView,
     bvh: TwoLevelBvh,
-    /// Of the scene's bounding sphere, world units.
-    /// What positions in here are relative to.
+    /// Origin of positions in here, world units.
     anchor: Vec3,
+    /// Radius of the scene's bounding sphere, world units.
     radius: f32,
     bvh_ms: f64,
-    /// Of the last frame.
+    /// Uniforms of the last frame.
     uniforms: Option<FrameUniforms>,
     /// World to clip space in the last frame, without jitter.
     unjittered: Option<Mat4>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
     clock: Clock,
-    /// Of [`FrameReport::still`], in the last frame.
+    /// [`FrameReport::still`] of the last frame.
     still: u32,
     /// Whether a frozen picture is to be shown otherwise.
     redraws: bool,
     /// See [`Self::drawn_frame`].
     drawn_frame: u64,
-    /// Those that the renderers drew whose place it took.
+    /// Frames of the renderers whose place this one took.
     frames_before: u64,
 
     gpu_scene: GpuScene,
@@ -128,7 +128,7 @@ impl Renderer {
         Self::with_scene(device, PreparedScene::new(scene), settings, pose)
     }
 
-    /// The same for a scene that was prepared beforehand.
+    /// A renderer for a scene that was prepared beforehand.
     pub fn with_scene(
         device: &Arc<Device>,
         prepared: PreparedScene,
@@ -368,7 +368,7 @@ impl Renderer {
 
 impl Drop for Renderer {
     fn drop(&mut self) {
-        // What the passes own may still be in use by a frame in flight.
+        // A frame in flight may still use the images of the passes.
         let _ = self.device.wait_idle();
     }
 }

@@ -129,7 +129,7 @@ pub enum RayTracer {
     Hardware,
 }
 
-/// What was made of the settings that leave a choice. Flat in reports.
+/// Values chosen for the settings that leave a choice. Flat in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Resolved {
     /// The ray tracer.
@@ -156,7 +156,7 @@ pub struct RenderReport {
     pub device: String,
     /// Name and version of its driver.
     pub driver: String,
-    /// What was used.
+    /// The values in use.
     #[serde(flatten)]
     pub resolved: Resolved,
     /// The settings as they were given.
@@ -201,13 +201,13 @@ impl RenderReport {
         }
     }
 
-    /// The same with the most device memory in use at once, bytes.
+    /// This report with the most device memory in use at once, bytes.
     #[must_use]
     pub fn with_device_memory(self, device_memory: u64) -> Self {
         Self { device_memory, ..self }
     }
 
-    /// The same with the time from one frame to the next.
+    /// This report with the time from one frame to the next.
     #[must_use]
     pub fn with_interval(self, interval_ms: Option<f64>) -> Self {
         Self { interval_ms, ..self }

@@ -46,7 +46,7 @@ impl Axis {
         axes
     }
 
-    /// Those along which the method of a run changes.
+    /// The axes along which the method of a run changes.
     pub fn of(run: &Run) -> impl Iterator<Item = Self> {
         let own = estimators::method(&run.settings).axes;
         let others = |key| {

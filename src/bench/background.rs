@@ -58,7 +58,7 @@ impl BackgroundBench {
         self.thread.is_some()
     }
 
-    /// What is being measured.
+    /// Name of the measurement that runs.
     pub fn task(&self) -> &str {
         &self.task
     }

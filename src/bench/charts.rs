@@ -96,12 +96,12 @@ fn line(row: &GridRow<'_>, axis: Axis, value: &dyn Fn(&Run) -> Option<f64>) -> L
     let point = |run: &&Run| Some((axis.value(run)?, value(run)?));
     let mut points: Vec<_> = row.runs.iter().flatten().filter_map(point).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Of two runs at one value, the second is at half resolution, and only in the tables.
+    // The second of two runs at one value is at half resolution, and only in the tables.
     points.dedup_by_key(|point| point.0);
     Line { name: row.label.clone(), points, look: Look::Marked }
 }
 
-/// The same with the confidence intervals of the frame time.
+/// One line per row, with the confidence intervals of the frame time.
 fn certain_line(row: &GridRow<'_>, axis: Axis, noise: &Noise) -> Line {
     let figure = |run: &Run| Summary::of(run, noise)?.figure(TOTAL).copied();
     let end = |end: usize| {

@@ -75,7 +75,7 @@ pub enum BenchError {
     Settings {
         /// The scene whose settings took part.
         scene: String,
-        /// What is wrong with them.
+        /// The error of the settings.
         error: SettingsError,
     },
     /// Two scenes have the same name.
@@ -98,7 +98,7 @@ pub enum BenchError {
     Report {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// The micro-benchmarks were interrupted; nothing is kept.

@@ -40,7 +40,7 @@ fn a_white_furnace_loses_and_gains_no_light() {
                 let case =
                     format!("roughness {roughness}, cosine {cosine}, metallic {metallic}: {reflected}");
                 assert!((reflected - 1.0).abs() < 0.02, "{case}");
-                // What passes take for granted.
+                // Passes rely on this sum.
                 let albedo = seen.diffuse_albedo() + seen.reflected_albedo();
                 assert!((albedo.x - 1.0).abs() < 1e-5, "{case}");
             }

@@ -122,7 +122,7 @@ pub struct GpuBvh {
     pub triangles: Vec<GpuTriangle>,
     /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
-    /// What those of thin surfaces let pass.
+    /// Transmittance of the triangles of thin surfaces.
     pub thin_surfaces: Arc<GpuThinSurfaces>,
     /// Static, then dynamic instances.
     pub instances: Vec<GpuInstance>,

@@ -75,7 +75,7 @@ impl DatasetFrames {
         let state = self.bmfr_state(frame)?;
         let depth = positions.iter().map(|&position| view_depth(&state, position.into()));
         let by_albedo = || colour.iter().zip(&albedo).map(|(c, a)| [0, 1, 2].map(|i| c[i] * a[i]));
-        // What no surface shows is no signal, and no denoiser's output is seen there.
+        // Pixels without a surface hold no signal, and show no denoiser's output.
         let uncovered: Vec<bool> = covered.iter().map(|covered| !covered).collect();
         let background: Vec<[f32; 4]> = masked(by_albedo().map(opaque), &uncovered);
         let images = Images::from([

@@ -35,7 +35,7 @@ pub struct DenoiserSettings {
 }
 
 impl DenoiserSettings {
-    /// Those for one use.
+    /// The denoiser settings for one use.
     pub fn of(settings: &Settings, usage: Use) -> Self {
         let bmfr = if usage == Use::Indirect { settings.bmfr } else { BmfrSettings::default() };
         Self { denoise: settings.effects.denoise, svgf: settings.svgf, bmfr }

@@ -171,17 +171,17 @@ impl Svgf {
         self.result.map_or(self.history(), |index| &self.light[index])
     }
 
-    /// Of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
+    /// Moments of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
     pub fn moments(&self) -> &Image {
         self.moments.last()
     }
 
-    /// What the last steps of the filter wrote, in turns, as [`Self::output`].
+    /// Outputs of the last two levels of the filter, as [`Self::output`].
     pub fn light(&self, index: usize) -> &Image {
         &self.light[index]
     }
 
-    /// What the next frame takes as history, as [`Self::output`].
+    /// History for the next frame, as [`Self::output`].
     pub fn history(&self) -> &Image {
         self.history.last()
     }

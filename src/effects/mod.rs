@@ -1,4 +1,4 @@
-//! What rays from the visible surfaces add, noisy and then denoised: soft shadows, reflections.
+//! Effects of rays from the visible surfaces, noisy and then denoised: soft shadows, reflections.
 
 pub mod reflections;
 pub mod soft_shadows;

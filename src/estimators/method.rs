@@ -37,7 +37,7 @@ pub struct Method {
     pub lights_hits: bool,
     /// Whether it gives any light.
     pub gives_light: bool,
-    /// What is known of the noise of its irradiance, which decides how that is denoised.
+    /// Knowledge of the noise of its irradiance, which decides how that is denoised.
     pub noise: SignalNoise,
     /// Pixels from one texel of [`Estimator::signal`] to the next, in each direction.
     pub signal_step: u32,
@@ -82,7 +82,7 @@ impl Axis {
         (self.get)(settings).to_string() + self.note(settings)
     }
 
-    /// What tells undivided work at half resolution from that at full resolution.
+    /// Suffix of values of work at half resolution.
     pub fn note(&self, settings: &Settings) -> &'static str {
         if self.half.is_some_and(|half| (half.is)(settings)) { " (half)" } else { "" }
     }

@@ -27,10 +27,10 @@ impl RayTracer {
     }
 }
 
-/// What shaders that trace rays, or read what these found, are made for.
+/// Variant of shaders that trace rays, or read the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TracerVariant {
-    /// What traces the rays.
+    /// The tracer.
     pub tracer: RayTracer,
     /// Whether the scene has thin surfaces: `HAS_THIN_SURFACES` in shaders.
     pub thin_surfaces: bool,

@@ -7,16 +7,16 @@ use super::frame_inputs::FrameInputs;
 use super::{storage_image, storage_image_array};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// What arrives of the lights at each pixel.
+/// Share of the lights that reaches each pixel.
 #[derive(Clone, Copy)]
 pub enum Shadows<'a> {
-    /// Of each light by itself: see `DirectShadowsPass::record`.
+    /// The share of each light by itself: see `DirectShadowsPass::record`.
     Hard(&'a Image),
-    /// Of all, over what would without shadows; RGBA16F.
+    /// Radiance of all lights, shadowed over unshadowed; RGBA16F.
     Soft {
-        /// What is shown.
+        /// The denoised image, which is shown.
         denoised: &'a Image,
-        /// By the rays of the frame alone.
+        /// The image of this frame's rays alone.
         sampled: &'a Image,
     },
     /// Nothing: the estimator has their light.
@@ -105,7 +105,7 @@ impl DirectShadingPass {
         direct: &Image,
     ) -> Result<(), VulkanError> {
         let gbuffer = inputs.gbuffer;
-        // What other kinds of shadows would read is bound, and not read.
+        // Images for other kinds of shadows are bound, and not read.
         let (mask, shadow) = match shadows {
             Shadows::Hard(mask) => (mask, &gbuffer.albedo),
             Shadows::Soft { denoised, .. } => (&self.no_mask, denoised),

@@ -31,7 +31,7 @@ impl DirectShadowsPass {
         Ok(Self { tracer, pipeline, visibility: visibility(device, extent, 1)?, device: Arc::clone(device) })
     }
 
-    /// What the last frame wrote.
+    /// The masks of the last frame.
     pub fn output(&self) -> &Image {
         &self.visibility
     }

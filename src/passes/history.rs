@@ -21,12 +21,12 @@ impl<T> History<T> {
         self.last.is_some()
     }
 
-    /// What the last frame wrote; undefined where the history is not valid.
+    /// The copy that the last frame wrote; undefined where the history is not valid.
     pub fn last(&self) -> &T {
         &self.copies[self.last.unwrap_or_default()]
     }
 
-    /// What this frame writes.
+    /// The copy that this frame writes.
     pub fn next(&self) -> &T {
         &self.copies[1 - self.last.unwrap_or_default()]
     }

@@ -12,7 +12,7 @@ use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, 
 /// Standard deviations by which luminances on one surface may differ.
 pub const TOLERANCE: f32 = 3.0;
 
-/// What one frame filters.
+/// Inputs of the filter for one frame.
 pub struct FilteredSignal<'a> {
     /// `FrameUniforms`.
     pub uniforms: &'a Upload,

@@ -70,7 +70,7 @@ pub struct StillPass {
     fade: ComputePipeline,
     /// rgb: mean radiance; a: squared differences of its luminance, added up.
     mean: Image,
-    /// What the mean corrects in the denoised picture, as shaders/include/still.glsl has it.
+    /// Correction of the denoised picture by the mean, as shaders/include/still.glsl has it.
     correction: Image,
     /// Variance of its luminance.
     variance: Image,

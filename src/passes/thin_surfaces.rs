@@ -13,15 +13,15 @@ use super::storage_image;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// What is seen of thin surfaces. 32 bytes a pixel.
+/// Images of the thin surfaces before each pixel. 32 bytes a pixel.
 pub struct ThinSurfaceImages {
     /// Radiance that does not depend on the irradiance behind: emission, light of punctual lights; RGBA16F.
     pub light: Image,
-    /// What the thin surfaces make of the irradiance of the surface behind, times pi; RGBA16F.
+    /// Albedo: they add albedo/pi times the irradiance of the surface behind; RGBA16F.
     pub albedo: Image,
-    /// What they let pass of the light behind; RGBA16F.
+    /// Their transmittance for the light behind; RGBA16F.
     pub transmittance: Image,
-    /// What the first one makes of what reflection rays bring; RGBA16F.
+    /// Factor of the first one on the radiance of reflection rays; RGBA16F.
     pub mirrored: Image,
 }
 
@@ -62,7 +62,7 @@ impl ThinSurfacesPass {
         })
     }
 
-    /// What the last frame wrote.
+    /// The images of the last frame.
     pub fn output(&self) -> &ThinSurfaceImages {
         &self.images
     }

@@ -1,4 +1,4 @@
-//! What was measured of frames, once the device has finished them.
+//! Measurements of frames, once the device has finished them.
 
 use std::collections::VecDeque;
 
@@ -10,7 +10,7 @@ use crate::vulkan::FrameTimes;
 /// A frame in flight.
 pub(super) struct Pending {
     pub frame: u64,
-    /// Of [`FrameReport::still`].
+    /// See [`FrameReport::still`].
     pub still: u32,
     pub method: &'static Method,
     pub cpu_ms: Vec<f64>,

@@ -50,7 +50,7 @@ impl AlphaMask {
         Self::new([1, 1], vec![255])
     }
 
-    /// The same, cut where alpha times `factor` is below `cutoff`.
+    /// This mask, cut where alpha times `factor` is below `cutoff`.
     pub fn cut_at(self, cutoff: f32, factor: f32) -> Self {
         let threshold = cutoff / factor.max(f32::MIN_POSITIVE) * (1.0 - TOLERANCE);
         Self { threshold: threshold.min(f32::MAX), ..self }

@@ -36,11 +36,11 @@ pub struct EnvironmentMap {
     /// Cumulative distribution over the rows of cells, and over the cells within each.
     rows: Vec<f32>,
     columns: Vec<f32>,
-    /// Of the luminance times the greatest sine in each row of cells, over the unit square; 0 without light.
+    /// Integral of the luminance times the greatest sine in each row of cells, over the unit square; 0 without light.
     integral: f32,
     /// Average over all directions.
     mean: Vec3,
-    /// What [`Self::separated`] has found.
+    /// Result of [`Self::separated`].
     separated: OnceLock<Option<Separated>>,
 }
 
@@ -63,7 +63,7 @@ impl PartialEq for Environment {
 }
 
 impl Environment {
-    /// The same radiance from all directions, W/m^2/sr.
+    /// Constant radiance from all directions, W/m^2/sr.
     pub fn constant(radiance: Vec3) -> Self {
         Self { radiance, map: None, rotation: 0.0 }
     }
@@ -306,7 +306,7 @@ mod tests {
         }
         let turned = Environment { rotation: std::f32::consts::FRAC_PI_2, ..sky() };
         let unturned = Environment { rotation: 0.0, ..sky() };
-        // What lay towards -z lies towards -x.
+        // The part towards -z is turned towards -x.
         let [a, b] =
             [turned.radiance(Vec3::new(-0.8, 0.6, 0.0)), unturned.radiance(Vec3::new(0.0, 0.6, -0.8))];
         assert!(a.distance(b) < 1e-4, "{a} {b}");

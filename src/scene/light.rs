@@ -55,7 +55,7 @@ impl SpotFalloff {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LightType {
-    /// The same in all directions.
+    /// Equal intensity in all directions.
     #[default]
     Point,
     /// A cone.
@@ -88,7 +88,7 @@ impl AreaTriangle {
         (self.triangle, self.front)
     }
 
-    /// What the vertices have, interpolated to its corners.
+    /// Interpolates a value of the vertices to its corners.
     pub fn interpolate<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>>(
         &self,
         [a, b, c]: [T; 3],

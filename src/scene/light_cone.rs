@@ -27,7 +27,7 @@ pub struct LightCone {
     pub one_minus_cos: f32,
     /// To the light's centre, world units; infinite for a directional light.
     pub distance: f32,
-    /// Of the sphere, world units; 0 without one.
+    /// Radius of the sphere, world units; 0 without one.
     pub radius: f32,
 }
 

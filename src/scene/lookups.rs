@@ -23,7 +23,7 @@ impl Material {
         self.bsdf(scene, texel(scene, self.base_colour_texture, &at), &at)
     }
 
-    /// The same, where the texture of the base colour has the colour `texel`.
+    /// Its reflection at a point where the texture of the base colour has the colour `base`.
     pub(crate) fn bsdf(&self, scene: &Scene, base: Vec3, at: &Attributes) -> Bsdf {
         let data = texel(scene, self.metallic_roughness_texture, at);
         self.bsdf_of(base * at.colour.truncate(), data)
@@ -70,7 +70,7 @@ impl Material {
         self.emission_texture.is_some() || self.unlit && !mesh.colours.is_empty()
     }
 
-    /// The same, averaged over its texture.
+    /// Its emission, averaged over its texture, W/m^2/sr.
     pub fn mean_emission(&self, scene: &Scene) -> Vec3 {
         self.emission * mean(scene, self.emission_texture)
     }

@@ -39,7 +39,7 @@ struct Sun {
     direction: Vec3,
     /// Across that, where the map's values are radiance in W/m^2/sr; W/m^2.
     irradiance: Vec3,
-    /// Of a disc of the same solid angle, radians.
+    /// Half angle of a disc of the same solid angle, radians.
     half_angle: f32,
 }
 

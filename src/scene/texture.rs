@@ -53,7 +53,7 @@ impl Texture {
             .complete()
     }
 
-    /// The same of linear colour.
+    /// Builds the mip chain of texels of linear colour.
     ///
     /// # Panics
     /// As above.
@@ -67,7 +67,7 @@ impl Texture {
         UVec2::new(self.levels[0].0, self.levels[0].1)
     }
 
-    /// The same of texels that are kept as half floats, of linear colour; `linear`: they are data, which has no transparency.
+    /// Builds the mip chain of texels that are kept as half floats, of linear colour; `linear`: they are data, which has no transparency.
     ///
     /// # Panics
     /// If there are not `width * height` texels, or none.
@@ -109,7 +109,7 @@ impl Texture {
         self.filter(self.footprint(uv, &0.into()))
     }
 
-    /// The same with alpha, as a material reads it; `uv` are coordinates on the image.
+    /// Linear colour with alpha, as a material reads it; `uv` are coordinates on the image.
     pub fn sample_rgba(&self, uv: Vec2, texture: &TextureUse) -> Vec4 {
         self.footprint(uv, texture).interpolate(|place| self.texel(0, place))
     }

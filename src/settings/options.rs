@@ -98,7 +98,7 @@ impl clap::FromArgMatches for GivenSettings {
 }
 
 impl GivenSettings {
-    /// Those of some settings, all of which are options of the command.
+    /// The values given for some settings, all of which are options of the command.
     fn among(settings_of: impl Iterator<Item = &'static Setting>, matches: &ArgMatches) -> Self {
         let mut given = Self::default();
         let mut settings = Settings::default();

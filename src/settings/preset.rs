@@ -31,7 +31,7 @@ pub enum Preset {
 choices!(Preset);
 
 impl Settings {
-    /// Those of a preset, with what the picture is of kept.
+    /// The settings of a preset, with those of size, time and looks kept.
     #[must_use]
     pub fn with_preset(&self, preset: Preset) -> Self {
         let Self { size, target_fps, seed, time_step, tracer, exposure, tone_map, .. } = *self;

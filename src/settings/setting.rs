@@ -10,7 +10,7 @@ use super::{PRESET, Settings};
 pub(crate) struct Setting {
     /// Its key in scene files and reports; with `-` for `_` its option.
     pub key: &'static str,
-    /// What it accepts.
+    /// Type and range of its values.
     pub kind: Kind,
     /// Whether the window's panel may change it.
     pub live: bool,
@@ -48,7 +48,7 @@ impl Setting {
         self.key.replace('_', "-")
     }
 
-    /// What it does and what it costs, and its range; without a full stop at the end.
+    /// Its effect and cost, and its range; without a full stop at the end.
     pub fn help(&self) -> String {
         let text = self.documentation.trim().trim_end_matches('.');
         self.kind.range().map_or_else(|| text.to_owned(), |range| format!("{text} [{range}]"))

@@ -13,7 +13,7 @@ const ALPHA: Kind = number("SHARE", 0.0, 1.0);
 /// The range of levels of the filter.
 const LEVELS: Kind = whole("N", 0, 5);
 
-/// What bounds history by the colours of the new frame.
+/// The bound of history by the colours of the new frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum HistoryClamp {
     /// Nothing. --svgf-history-rejection tests its mean.

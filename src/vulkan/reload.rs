@@ -11,7 +11,7 @@ use super::shaders;
 /// Compiles all shaders of the repository into a folder.
 const COMPILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/compile-shaders");
 
-/// What has changed: SPIR-V of the program, and of the sources. Never freed, since pipelines remember it.
+/// Shaders that have changed: SPIR-V of the program, and of the sources. Never freed, since pipelines remember it.
 static CHANGED: Mutex<Vec<(&[u8], &[u8])>> = Mutex::new(Vec::new());
 
 fn changed() -> MutexGuard<'static, Vec<(&'static [u8], &'static [u8])>> {

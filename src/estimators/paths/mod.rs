@@ -154,7 +154,7 @@ impl Paths {
     }
 }
 
-/// Of `WHITE_NOISE` and `BOUNCES` in shaders.
+/// Specialisation constants `WHITE_NOISE` and `BOUNCES` of shaders.
 fn shared_constants(settings: &Settings) -> [u32; 2] {
     [u32::from(settings.effects.noise == Noise::White), settings.bounces]
 }

@@ -81,11 +81,11 @@ pub struct Vpls {
     median_segment_length: f32,
     scene_radius: f32,
     instances: usize,
-    /// What has changed since each set was rendered.
+    /// Change since each set was rendered.
     staleness: Staleness,
     /// Boxes that instances have swept since.
     swept: SweptBounds,
-    /// What the frame is to render.
+    /// The sets that the frame renders.
     frame_set: FrameSet,
     passes: Passes,
     /// The VPLs of the frame's set on the device; none before the first frame.
@@ -102,7 +102,7 @@ pub struct Vpls {
 #[derive(Default)]
 struct FrameSet {
     set: u32,
-    /// That set, after those to render before their turn.
+    /// The sets to render before their turn, then `set`.
     rendered: Vec<SampledSet>,
     /// Luminous flux of each set.
     flux: Vec<f32>,

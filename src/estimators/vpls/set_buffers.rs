@@ -1,4 +1,4 @@
-//! What the temporal sets have rendered: a buffer for each, and the camera, the light and the transforms of the
+//! Renderings of the temporal sets: a buffer for each, and the camera, the light and the transforms of the
 //! frame that rendered it. Written by `indirect_shading`, read by `indirect_reprojection`.
 //!
 //! Where the filter's window spans several pixels, set buffers have half the resolution in each direction. A texel then stands
@@ -50,7 +50,7 @@ impl SetView {
     }
 }
 
-/// What is known of a set that was rendered, a texel; `set_at` in shaders/estimators/vpls/set_buffers.glsl.
+/// Parameters of a set that was rendered, a texel; `set_at` in shaders/estimators/vpls/set_buffers.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct SetParameters {
@@ -64,11 +64,11 @@ struct SetParameters {
     offset_layer_frame: u32,
 }
 
-/// What looking a surface up in the sets takes; `SetPush` in shaders/estimators/vpls/set_buffers.glsl.
+/// Constants of lookups in the sets; `SetPush` in shaders/estimators/vpls/set_buffers.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SetPush {
-    /// Of the pictures of the sets, pixels.
+    /// Width and height of the pictures of the sets, pixels.
     pub size: [u32; 2],
     /// Pixels from one texel to the next.
     pub set_step: u32,
@@ -111,7 +111,7 @@ pub struct RenderedSet {
     pub set: u32,
     /// See [`SetBuffers::representative`].
     pub representative: [u32; 2],
-    /// What its buffer's irradiance is multiplied by.
+    /// Its buffer holds irradiance times this.
     pub irradiance_scale: f32,
     /// Its luminous flux.
     pub flux: f32,
@@ -125,7 +125,7 @@ pub struct SetBuffers {
     spare: u32,
     /// The layer of each set.
     layers: Vec<u32>,
-    /// Of the picture, pixels.
+    /// Width and height of the picture, pixels.
     size: [u32; 2],
     /// Pixels from one texel to the next: 1 or 2.
     step: u32,
@@ -196,7 +196,7 @@ impl SetBuffers {
         &self.buffers
     }
 
-    /// What is known of the sets, and where their cameras saw all instances.
+    /// The parameters of the sets, and the transforms from all instances to the view of each set's camera.
     pub fn views(&self) -> &Buffer {
         &self.views
     }
@@ -255,7 +255,7 @@ impl SetBuffers {
         Ok(())
     }
 
-    /// What looking surfaces up takes. `set_flux`: luminous flux of each set now, for those that were not rendered yet.
+    /// Constants of lookups. `set_flux`: luminous flux of each set now, for those that were not rendered yet.
     pub fn push(&self, missing_sets: MissingSets, set_flux: &[f32]) -> SetPush {
         let flux = |(set, rendered): (usize, &Option<f32>)| {
             rendered.unwrap_or_else(|| set_flux.get(set).copied().unwrap_or(0.0))

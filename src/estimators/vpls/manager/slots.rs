@@ -44,7 +44,7 @@ pub(super) struct Slot {
     pub(super) point: SurfacePoint,
     /// Product of the albedos along the path, the weight of its start and those of the thin surfaces passed.
     pub(super) throughput: Vec3,
-    /// Of a glossy surface, for the direction in which it was shot.
+    /// Lobe of a glossy surface, for the direction in which it was shot.
     pub(super) lobe: GlossyLobe,
     /// The effect of thin surfaces on the ray that shot it.
     pub(super) transmission: Transmission,
