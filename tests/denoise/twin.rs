@@ -5,7 +5,7 @@ use glowworm::settings::SvgfSettings;
 
 use crate::support::{HEIGHT, Pixel, WIDTH, footprint, position_at};
 
-/// What is known before a frame.
+/// History before a frame.
 pub struct Before<'a> {
     pub history: &'a [Vec4],
     pub moments: &'a [Vec4],
@@ -24,13 +24,13 @@ fn place_of(pixel: usize) -> IVec2 {
     IVec2::new((pixel % WIDTH) as i32, (pixel / WIDTH) as i32)
 }
 
-/// What a noisy pixel counts as, where light is averaged as Reinhard's curve has it.
+/// Value of a noisy pixel, where light is averaged as Reinhard's curve has it.
 fn signal(settings: &SvgfSettings, pixel: &Pixel) -> Vec3 {
     let light = Vec4::from(pixel.noisy).xyz();
     if settings.reinhard { light / (1.0 + luminance(light)) } else { light }
 }
 
-/// What the last step of the filter makes of a texel of that.
+/// Light of a filtered texel: the inverse of `signal`'s curve.
 pub fn expanded(texel: Vec4) -> Vec4 {
     let rest = 1.0 - luminance(texel.xyz());
     Vec4::new(texel.x / rest, texel.y / rest, texel.z / rest, texel.w / (rest * rest))

@@ -29,7 +29,7 @@ fn map() -> Arc<EnvironmentMap> {
     Arc::new(EnvironmentMap::new(MAP[0], MAP[1], (0..MAP[0] * MAP[1]).map(texel).collect()))
 }
 
-/// Of a place in an equirectangular map.
+/// Direction of a place in an equirectangular map.
 fn direction_of(u: f64, v: f64) -> DVec3 {
     let ((sin_azimuth, cos_azimuth), (sin, cos)) = ((2.0 * PI * (u - 0.5)).sin_cos(), (PI * v).sin_cos());
     DVec3::new(sin * sin_azimuth, cos, -sin * cos_azimuth)

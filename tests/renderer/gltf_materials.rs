@@ -31,7 +31,7 @@ fn masks_cut_where_alpha_is_below_the_cutoff() {
         (0.5, 0.25, steps, false, None, [1.0, 2.0]),
         (1.0, 0.25, steps, true, None, [1.0, 2.0]),
         (1.0, 0.75, steps, true, None, [1.0, 2.0]),
-        // The same 8 bits.
+        // Both alphas have the same 8 bits.
         (1.0, 0.5005, Some(alphas(0x8000, 0x8040)), true, None, [1.0, 2.0]),
         (1.0, 0.0, steps, false, fades, [0.0, 2.0]),
         (1.0, 1.0, Some(alphas(254 * 257, WHITE)), true, None, [1.0, 2.0]),

@@ -40,7 +40,7 @@ fn thin_features_do_not_go_black() {
 
 #[test]
 fn interleaving_leaves_no_pixel_in_the_dark() {
-    // The same VPLs, so that all differences are those of drawing a few.
+    // All pictures have the same VPLs, so that they differ only by sampling a few.
     let vpl = VplSettings { temporal_sets: 1, ..VplSettings::default() };
     let same = Settings { vpl, ..plain() };
     let Some(share) = dark_share(same) else { return };

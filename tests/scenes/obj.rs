@@ -1,4 +1,4 @@
-//! What an OBJ and its MTL say, as it is shown.
+//! An OBJ and its MTL as they are shown.
 
 use glam::{Vec2, Vec3};
 

@@ -55,7 +55,7 @@ impl GpuFixture {
         Some(Self { device: open_device().unwrap() })
     }
 
-    /// The same for a device that supports `tracer`.
+    /// A device that supports `tracer`.
     pub fn open_with_tracer(tracer: RayTracer) -> Option<Self> {
         let gpu = Self::open()?;
         if RayTracer::offered(&gpu.device).contains(&tracer) {

@@ -116,11 +116,11 @@ mod tests {
                 for (direction, angle) in directions(Vec3::Z) {
                     // Seen from the direction in which light leaves.
                     let lobes = bsdf.seen(Vec3::Z, direction).evaluate(-incident);
-                    let truth = (lobes.diffuse + lobes.reflected) * (direction.z * angle);
-                    total += truth;
+                    let reference = (lobes.diffuse + lobes.reflected) * (direction.z * angle);
+                    total += reference;
                     let emitted = |lobe: &GlossyLobe| albedo * lobe.density(Vec3::Z, direction) * angle;
-                    error += (emitted(&lobe) - truth).abs();
-                    of_lambertian += (emitted(&GlossyLobe::NONE) - truth).abs();
+                    error += (emitted(&lobe) - reference).abs();
+                    of_lambertian += (emitted(&GlossyLobe::NONE) - reference).abs();
                 }
                 assert!((albedo / total - 1.0).abs().max_element() < 0.1, "{albedo} {total}");
                 assert!((error / total).max_element() < 0.3, "slope {slope}: {}", error / total);
