@@ -46,7 +46,13 @@ impl Passes {
             return pass.upsample(frame, inputs, uploaded, (&self.sets, &push), denoised);
         };
         // Old sets know nothing of what comes into view.
-        pass.upsample(frame, inputs, uploaded, (previous_sets, &push(previous_sets, FillMode::LEAVE)), denoised)?;
+        pass.upsample(
+            frame,
+            inputs,
+            uploaded,
+            (previous_sets, &push(previous_sets, FillMode::LEAVE)),
+            denoised,
+        )?;
         pass.upsample(frame, inputs, uploaded, (&self.sets, &push(&self.sets, FillMode::FILL)), denoised)
     }
 
