@@ -176,7 +176,7 @@ impl Bsdf {
     }
 
     /// This BSDF at a surface with shading normal `normal`, seen from `to_eye` (unit vectors).
-    pub fn seen(&self, normal: Vec3, to_eye: Vec3) -> Reflection {
+    pub fn prepare(&self, normal: Vec3, to_eye: Vec3) -> Reflection {
         let cosine = normal.dot(to_eye);
         // A shading normal that faces away is bent until it does not.
         let normal = if cosine < GRAZING {

@@ -174,9 +174,9 @@ impl World<'_> {
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let found = self.scene.surface_at(self.pose, hit.instance, point, Side::Facing(direction));
         let bsdf = material.bsdf_at(self.scene, found.attributes);
-        let seen = bsdf.seen(found.surface.normal, -direction.normalize());
+        let reflection = bsdf.prepare(found.surface.normal, -direction.normalize());
         let thin_surface = material.thin_surface_at(self.scene, found.attributes);
-        Some((thin_surface.coverage, thin_surface.transmittance(seen.reflected_albedo().max_element())))
+        Some((thin_surface.coverage, thin_surface.transmittance(reflection.reflected_albedo().max_element())))
     }
 }
 

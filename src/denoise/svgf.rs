@@ -61,7 +61,7 @@ pub struct Svgf {
     settings: SvgfSettings,
     /// Whether the signal is accumulated as Reinhard's curve has it: the filter's last step expands it.
     is_compressed: bool,
-    /// How far blur reaches where it is adapted to what is of use, pixels; 0 where it is not.
+    /// Radius of an adaptive filter, pixels; 0: it is not adaptive.
     widest: f32,
     /// The mean of the frames so far, in which the newest count the most, after the level that feeds back.
     history: History<Image>,
@@ -158,7 +158,7 @@ impl Svgf {
             reads_roughness,
             settings: *settings,
             is_compressed: settings.reinhard && settings.levels > 0,
-            widest: if settings.adaptive { settings.reach() } else { 0.0 },
+            widest: if settings.adaptive { settings.filter_radius() } else { 0.0 },
             history: History::new(|_| image("svgf history"))?,
             moments: History::new(|_| image("svgf moments"))?,
             light: [image("svgf light 0")?, image("svgf light 1")?],

@@ -375,7 +375,7 @@ impl Reference<'_> {
     fn reflection(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
         let texel = vertex.texels.map_or(Vec3::ONE, |(texture, texels)| texture.filter(texels));
         let bsdf = vertex.material.bsdf(self.scene, texel, &vertex.attributes);
-        bsdf.seen(vertex.surface.normal, -direction.normalize())
+        bsdf.prepare(vertex.surface.normal, -direction.normalize())
     }
 }
 

@@ -149,12 +149,6 @@ impl Renderer {
         Ok(radiance.into_iter().zip(albedo).map(of).collect())
     }
 
-    /// What the estimator knows of each pixel of the last frame besides irradiance.
-    pub fn read_irradiance_alpha(&self) -> Result<Vec<f32>, RenderError> {
-        let irradiance = self.read_halves(self.irradiance(), 4)?;
-        Ok(irradiance.into_iter().map(|pixel| pixel[3]).collect())
-    }
-
     fn read_layers(&self, light: &Light) -> Result<Vec<Layer>, RenderError> {
         let gbuffer = self.passes.gbuffer.output();
         let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&gbuffer.depth.read_layer(&self.device, 0, 4)?);

@@ -96,8 +96,8 @@ settings! {
 }
 
 impl SvgfSettings {
-    /// How far from a pixel all levels of the filter reach, pixels.
-    pub fn reach(&self) -> f32 {
+    /// Radius of the whole filter, pixels.
+    pub fn filter_radius(&self) -> f32 {
         ((2 << self.levels) - 2) as f32
     }
 }

@@ -314,7 +314,7 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
             continue;
         }
         let to_eye = -ray.direction.normalize();
-        let coat = material.mean_bsdf(scene).seen(met.surface.geometric_normal, to_eye);
+        let coat = material.mean_bsdf(scene).prepare(met.surface.geometric_normal, to_eye);
         passed *= material
             .thin_surface_at(scene, met.attributes)
             .transmittance(coat.reflected_albedo().max_element());

@@ -143,7 +143,8 @@ fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> 
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let met = scene.surface_at(pose, hit.instance, point, Side::Facing(direction));
         let material = &scene.materials[hit.instance as usize];
-        let coat = material.bsdf_at(scene, met.attributes).seen(met.surface.normal, -direction.normalize());
+        let coat =
+            material.bsdf_at(scene, met.attributes).prepare(met.surface.normal, -direction.normalize());
         let surface = material.thin_surface_at(scene, met.attributes);
         passed *= surface.transmittance(coat.reflected_albedo().max_element());
         ray.t_min = hit.t + 1e-4;

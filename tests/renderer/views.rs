@@ -270,7 +270,7 @@ fn rejected_pixels_are_those_that_are_not_counted() {
     for set in 0..SETS {
         let view = of_set("set-reprojected", set);
         let (renderer, picture) = picture(&gpu, &scene, &settings(SETS, 1), &view);
-        by_renderer = set_counts(&renderer);
+        by_renderer = set_counts(&gpu, &renderer);
         for (count, pixel) in counted.iter_mut().zip(&picture.display) {
             *count += u32::from(pixel[..3] != [255, 0, 255]);
         }

@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 
+use exr::prelude::f16;
+use glowworm::estimators::Estimator as _;
 use glowworm::estimators::vpls::{VplContribution, VplManager, Vpls};
 use glowworm::formats::load_scene;
 use glowworm::gpu_scene::tracer::RayTracer;
@@ -199,8 +201,10 @@ pub fn inspect(renderer: &Renderer, pose: &Pose, at: &WorldSurface) -> Vec<VplCo
 }
 
 /// How many temporal sets have seen the surface of each pixel of the last frame.
-pub fn set_counts(renderer: &Renderer) -> Vec<u32> {
-    renderer.read_irradiance_alpha().unwrap().into_iter().map(|count| count.round() as u32).collect()
+pub fn set_counts(gpu: &GpuFixture, renderer: &Renderer) -> Vec<u32> {
+    let image = renderer.estimator::<Vpls>().unwrap().resolved().unwrap();
+    let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&image.read_layer(&gpu.device, 0, 8).unwrap());
+    halves.chunks_exact(4).map(|texel| f16::from_bits(texel[3]).to_f32().round() as u32).collect()
 }
 
 /// Indirect irradiance of the last frame.
