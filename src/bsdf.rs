@@ -200,7 +200,7 @@ impl Reflection {
         self.bsdf.reflects()
     }
 
-    /// Directional albedo of the Lambertian lobe: what it makes of irradiance, times pi.
+    /// Directional albedo of the Lambertian lobe: pi times its BSDF.
     pub fn diffuse_albedo(&self) -> Vec3 {
         self.shares.diffuse
     }

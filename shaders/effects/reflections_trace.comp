@@ -227,7 +227,7 @@ bool is_flat(ivec2 pixel, vec3 normal) {
 }
 
 // The surface that is seen in the reflection.
-struct SeenImage {
+struct MirrorImage {
     vec3 position; // of the mirror image
     float depth;
     vec3 shading;
@@ -235,10 +235,10 @@ struct SeenImage {
     uint instance; // plus one
 };
 
-SeenImage image_of(Surface mirror, FirstHit hit) {
+MirrorImage image_of(Surface mirror, FirstHit hit) {
     vec3 along = mirror.position - frame.eye.xyz;
     float stretch = 1.0 + hit.distance / length(along);
-    SeenImage image = SeenImage(frame.eye.xyz + along * stretch, mirror.depth * stretch, -normalize(along), -normalize(along), NO_INSTANCE);
+    MirrorImage image = MirrorImage(frame.eye.xyz + along * stretch, mirror.depth * stretch, -normalize(along), -normalize(along), NO_INSTANCE);
     if (hit.met) {
         image.shading = reflect(hit.shading, mirror.shading);
         image.geometric = reflect(hit.geometric, mirror.shading);
@@ -253,7 +253,7 @@ uint last_instance_at(ivec2 texel) { return imageLoad(last_image_instance, texel
 #include "reprojected_surface.glsl"
 
 // Where the mirror image was in the last frame, and which texels showed it there, or if it is blurred, its mirror: as `reprojected`.
-vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool is_sharp, SeenImage shown) {
+vec4 image_then(ivec2 pixel, Surface mirror, MirrorImage image, FirstHit hit, bool is_sharp, MirrorImage shown) {
     vec3 then = image.position;
     if (hit.met) {
         InstanceData data = instances.data[hit.instance];
@@ -272,15 +272,15 @@ vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool
     return vec4(motion, masks);
 }
 
-// How wide a blur is of use, as a share of the widest: what the lobe blurs anyway, and a little where light at the hit is noisy.
+// How wide a blur is of use, as a share of the widest: the width of the lobe, and a little where light at the hit is noisy.
 float blur_of(Surface mirror, float alpha, FirstHit hit, bool noisy_light) {
     float seen_from = distance(mirror.position, frame.eye.xyz);
     float lobe = LOBE_WIDTH * alpha * hit.distance / ((hit.distance + seen_from) * push.spread);
     return clamp(max(lobe, noisy_light ? IMAGE_BLUR : 0.0) / WIDEST, 0.0, 1.0);
 }
 
-// Where a path begins, and what the denoiser is told of.
-struct Seen {
+// The surface where a reflection path begins, as the denoiser sees it.
+struct ReflectingSurface {
     ShadingPoint at;
     float roughness;
     uint instance;
@@ -288,7 +288,7 @@ struct Seen {
 };
 
 // The first thin surface of a pixel, and the path that begins there, as a share of its albedo; the rest is for irradiance.
-bool thin_surface_at(ivec2 pixel, out Seen seen, out Path path) {
+bool thin_surface_at(ivec2 pixel, out ReflectingSurface seen, out Path path) {
     path = new_path();
     vec3 direction = pixel_ray(vec2(pixel));
     float start = push.near;
@@ -312,7 +312,7 @@ void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    Seen seen;
+    ReflectingSurface seen;
     seen.at.surface = surface_at(pixel);
     seen.roughness = imageLoad(gbuffer_albedo, pixel).a;
     seen.instance = id.x;
@@ -328,7 +328,7 @@ void main() {
     uint first_light = frame.direct_lights;
     bool is_thin = false, is_traced = true;
     vec3 before = HAS_THIN_SURFACES ? imageLoad(thin_mirrored, pixel).rgb : vec3(0.0);
-    Seen thin;
+    ReflectingSurface thin;
     Path from_thin;
     if (before != vec3(0.0) && thin_surface_at(pixel, thin, from_thin)) {
         vec3 behind = vec3(0.0);
@@ -348,7 +348,7 @@ void main() {
 
     vec4 result = vec4(0.0);
     Surface surface = seen.at.surface;
-    SeenImage image = SeenImage(surface.position, surface.depth, surface.shading, surface.geometric, seen.instance);
+    MirrorImage image = MirrorImage(surface.position, surface.depth, surface.shading, surface.geometric, seen.instance);
     if (seen.mirrors) {
         FirstHit first;
         path = trace_path(pixel, path, begins, first_light, first);
@@ -358,9 +358,9 @@ void main() {
         float blur = blur_of(surface, seen.at.reflection.alpha, first, path.record.weight != vec3(0.0));
         result = vec4(min(path.radiance * scale, MOST_HALF), blur);
         bool is_sharp = seen.roughness < IMAGE_ROUGHNESS && is_traced;
-        SeenImage mirrored = image_of(surface, first);
+        MirrorImage mirrored = image_of(surface, first);
         bool moves = seen.roughness < MOVING_ROUGHNESS && (is_thin || is_flat(pixel, surface.shading));
-        SeenImage moving = image;
+        MirrorImage moving = image;
         if (is_sharp) image = mirrored;
         if (moves) moving = mirrored;
         else first.met = false;

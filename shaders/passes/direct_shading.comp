@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Direct light of point, spot and directional lights, by both lobes of the BSDF; what surfaces emit; the environment behind them.
+// Direct light of point, spot and directional lights, by both lobes of the BSDF; emission of surfaces; the environment behind them.
 // Out: radiance; a: how much it counts for automatic exposure; and the directional albedo of the GGX lobe.
 #include "frame.glsl"
 #include "gbuffer.glsl"

@@ -64,7 +64,7 @@ impl Axis {
             .is_none_or(|named| is_of(estimators::method(&named)) || !estimators::methods().iter().any(is_of))
     }
 
-    /// The first axis of the method of a run, if it has any: what tables name where nothing varies.
+    /// The first axis of the method of a run, if it has any: tables name it where nothing varies.
     pub fn main(run: &Run) -> Option<Self> {
         estimators::method(&run.settings).axes.first().map(Self::Number)
     }

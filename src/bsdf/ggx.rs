@@ -34,7 +34,7 @@ static MEANS: LazyLock<[[f32; 4]; STEPS + 1]> = LazyLock::new(|| {
     })
 });
 
-/// Averages over the hemisphere by the cosine: what GGX microfacets reflect at the first try at normal and at grazing
+/// Averages over the hemisphere by the cosine: single scattering of GGX microfacets at normal and at grazing
 /// incidence, and both times what multiple scattering adds where F0 is 1.
 fn means_of(roughness: f32) -> [f32; 4] {
     if roughness < MIRROR_ROUGHNESS {

@@ -29,7 +29,7 @@ pub struct World<'a> {
 pub struct Transmission {
     /// The share that the thin surfaces let pass in which it has not stopped.
     pub transmittance: Vec3,
-    /// The weight of where it stopped, which was chosen at random: what arrives there over the probability.
+    /// The weight of where it stopped, which was chosen at random: the share of the light that arrives there over the probability.
     pub weight: Vec3,
 }
 

@@ -284,7 +284,7 @@ fn texels_of(name: &str, pixels: &[[f32; 4]]) -> (Vec<u8>, u64) {
     }
 }
 
-/// Rounded to nearest, as the shaders do, and no further than the largest half; what is not finite stays so.
+/// Rounded to nearest, as the shaders do, and no further than the largest half; infinity and NaN stay so.
 fn halves<const N: usize>(pixels: &[[f32; 4]]) -> Vec<[u16; N]> {
     let bound = f16::MAX.to_f32();
     let half = |value: f32| f16::from_f32(if value.is_finite() { value.clamp(-bound, bound) } else { value });

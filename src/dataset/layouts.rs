@@ -40,7 +40,7 @@ impl DatasetFrames {
         ))
     }
 
-    /// Indirect light as the signal; what the GGX lobe reflects is added as if it were mirrored with an albedo of 1.
+    /// Indirect light as the signal; the GGX lobe's reflection is added as if it were mirrored with an albedo of 1.
     pub(super) fn parts(&self, frame: u32) -> Result<DenoiserFrame, DatasetError> {
         let state = self.state(frame)?;
         let rgb = |name: &str| self.rgb(name, frame);

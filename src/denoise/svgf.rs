@@ -69,7 +69,7 @@ pub struct Svgf {
     moments: History<Image>,
     /// Before and after a step of the filter, in turns.
     light: [Image; 2],
-    /// Which of them holds the result; none without a filter: what has accumulated is.
+    /// Which of them holds the result; none without a filter: the history is the result.
     result: Option<usize>,
 }
 

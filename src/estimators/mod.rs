@@ -210,7 +210,7 @@ impl DebugView {
         self.buffer == COMBINED && self.options.is_empty()
     }
 
-    /// The options of a method's views. What is not set has its default.
+    /// The options of a method's views. Options that are not set have their defaults.
     pub fn options<Options: DeserializeOwned + Default>(&self) -> Options {
         serde_json::from_value(Value::Object(self.options.clone())).unwrap_or_default()
     }

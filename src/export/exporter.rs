@@ -1,4 +1,4 @@
-//! An export in progress: what the exporters of lights, materials and shapes share.
+//! An export in progress, shared by the exporters of lights, materials and shapes.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,6 +1,6 @@
 //! The environment's map in device memory.
 //!
-//! In: the environment of a scene. Out: what shaders/include/environment.glsl reads: the map, and the same without its suns.
+//! In: the environment of a scene. Out: images for shaders/include/environment.glsl: the map, and the map without its suns.
 
 use std::sync::Arc;
 

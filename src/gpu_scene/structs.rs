@@ -78,7 +78,7 @@ pub struct InstanceData {
     pub world_to_object: [Vec4; 3],
     /// Rows of the 3x4 matrix, one frame ago.
     pub previous_object_to_world: [Vec4; 3],
-    /// rgb: what its materials' emission is multiplied by.
+    /// rgb: factor on its materials' emission.
     pub emission: Vec4,
     /// 1: its transform swaps left and right, so triangles wind the other way.
     pub flips_winding: u32,
@@ -200,7 +200,7 @@ pub struct LightData {
 pub struct OverlayLine {
     /// xyz: world position of one end; w: width in pixels.
     pub from_width: Vec4,
-    /// xyz: of the other end; w: what the opacity of hidden parts is multiplied by.
+    /// xyz: of the other end; w: factor on the opacity of hidden parts.
     pub to_hidden: Vec4,
     /// Display values, opacity.
     pub colour: Vec4,

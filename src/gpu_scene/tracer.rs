@@ -1,4 +1,4 @@
-//! The ray tracer of the shaders: what `shaders/include/tracer.glsl` traces rays with.
+//! The ray tracer of the shaders, behind `shaders/include/tracer.glsl`.
 
 use std::sync::Arc;
 

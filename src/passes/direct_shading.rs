@@ -1,5 +1,5 @@
-//! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
-//! specular; what surfaces emit; the environment behind them.
+//! `direct_shading`: direct radiance of point, spot and directional lights, diffuse and
+//! specular; emission of surfaces; the environment behind them.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! `thin_surfaces`: the thin surfaces between the eye and the visible surfaces, by rays. Only scenes that have any have the pass.
 //!
-//! In: the visible surfaces, the lights and all that is known of what rays hit. Out: what the thin surfaces add to each pixel, and what they
-//! let pass of the light behind them.
+//! In: the visible surfaces, the lights and the surfaces that rays hit. Out: the light that the thin surfaces add to each pixel, and
+//! their transmittance for the light behind them.
 
 use std::sync::Arc;
 

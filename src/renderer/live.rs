@@ -1,6 +1,6 @@
 //! Changes while the renderer runs: other settings, another scene, without a restart and without a flash.
 //!
-//! What the change does not concern is kept: pipelines, images, the estimator and its history.
+//! Parts that the change does not concern stay: pipelines, images, the estimator and its history.
 
 use std::sync::Arc;
 

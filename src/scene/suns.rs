@@ -1,4 +1,4 @@
-//! The suns of an environment map: what is compact and far brighter than its surroundings, cut out as directional lights.
+//! The suns of an environment map: its compact parts that are far brighter than their surroundings, cut out as directional lights.
 //!
 //! In: a map. Out: up to [`MOST`] suns, and the sky: the map with their texels filled with the mean around them, so that both together
 //! send what the map sends. Who sees what of an environment that has suns:

@@ -166,7 +166,7 @@ impl<'a> Reader<'a> {
         reflection.bindings.insert(name, binding);
     }
 
-    /// Every id in the functions that the entry point reaches: what Vulkan calls static use.
+    /// Every id in the functions that the entry point reaches: static use in Vulkan's terms.
     fn statically_used(&self) -> BTreeSet<Word> {
         let mut used = BTreeSet::new();
         let mut next: Vec<Word> = self.module.entry_points.iter().map(|point| id_at(point, 1)).collect();

@@ -26,7 +26,7 @@ pub(super) fn newest(built: &'static [u8]) -> &'static [u8] {
 /// Compiles the shaders of the repository; pipelines that are made from now on are of them.
 ///
 /// # Errors
-/// One line: what the compiler refuses first. Nothing has changed then.
+/// One line: the first error of the compiler. Nothing has changed then.
 pub fn compile_shaders() -> Result<(), String> {
     compile_with(Path::new(COMPILE))
 }

@@ -1,4 +1,4 @@
-//! The random numbers of effects: what the table of blue noise promises, and the shader against a CPU twin.
+//! The random numbers of effects: properties of the table of blue noise, and the shader against a CPU twin.
 
 use crate::support::GpuFixture;
 use glam::{UVec2, UVec3, Vec2};

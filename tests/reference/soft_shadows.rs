@@ -1,4 +1,4 @@
-//! Lights with an extent: what they send, and which shadows a sphere casts.
+//! Lights with an extent: their flux, and the shadows that a sphere casts.
 
 use std::f32::consts::{PI, TAU};
 

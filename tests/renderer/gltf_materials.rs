@@ -112,7 +112,7 @@ fn blended_surfaces_fade_by_factor_texture_and_vertices() {
     }
 }
 
-/// Sides: what is seen of an emitter or a sign from its front and from its back, and what of the light arrives on both sides.
+/// Sides: how an emitter or a sign looks from its front and from its back, and how much light arrives on both sides.
 #[test]
 fn emitters_shine_from_the_sides_that_the_material_shows() {
     let lit =

@@ -188,7 +188,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
         }),
         ("denoiser", |settings| settings.effects.denoise = Denoise::NONE),
     ];
-    // One after the other: what an earlier change left must not show either.
+    // One after the other: history of an earlier change must not show either.
     let mut settings = start;
     for (what, change) in changes {
         change(&mut settings);

@@ -1,4 +1,4 @@
-//! Thin surfaces on the device: what they transmit of lights and of what is behind them, and what they reflect.
+//! Thin surfaces on the device: transmission of lights and of the surfaces behind, and reflection.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;

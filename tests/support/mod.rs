@@ -22,7 +22,7 @@ use glowworm::scene::{Pose, Scene, WorldSurface};
 use glowworm::settings::{Antialiasing, Direct, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions, VulkanError};
 
-/// The device of all tests of a program: what one test has compiled, others use.
+/// The device of all tests of a program, so that each shader is compiled once.
 static DEVICE: LazyLock<Result<Arc<Device>, VulkanError>> = LazyLock::new(open_device);
 /// How many validation messages of [`DEVICE`] have failed a test.
 static REPORTED: AtomicUsize = AtomicUsize::new(0);

@@ -16,7 +16,7 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D vpl_light;
 #include "surface.glsl"
 
-// weight: what the irradiance is multiplied by; 0: there is no such VPL.
+// weight: factor on the irradiance; 0: there is no such VPL.
 layout(push_constant) uniform Push { float weight; } push;
 
 void main() {

@@ -1,10 +1,10 @@
 //! Indirect light from virtual point lights: instant radiosity with temporal sets (Keller 1997; Tonna 2019).
 //!
 //! - `manager`: the CPU's half: shoots, invalidates and replaces light paths; knows nothing of Vulkan.
-//! - `vpl_buffer`, `set_buffers`: what the passes share on the device: VPLs, and what each set has rendered.
+//! - `vpl_buffer`, `set_buffers`: shared by the passes on the device: the VPLs, and the renderings of the sets.
 //! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
 //! - `hit_light`: light at what reflection rays hit.
-//! - `clusters`: VPLs by neighbourhood, which texels sample; `staleness`: what has changed since each set was rendered.
+//! - `clusters`: VPLs by neighbourhood, which texels sample; `staleness`: change since each set was rendered.
 //! - `tonna`: the method as published, an estimator by itself, for comparison.
 //! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
 

@@ -30,7 +30,7 @@ impl Passes {
         self.previous_sets.as_ref().unwrap_or(&self.sets)
     }
 
-    /// Gives every pixel its irradiance from the sets that are shown; `light`: what becomes of missing sets, and the flux of all.
+    /// Gives every pixel its irradiance from the sets that are shown; `light`: the treatment of missing sets, and the flux of all.
     pub fn upsample(
         &self,
         frame: &mut Frame<'_>,

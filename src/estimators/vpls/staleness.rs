@@ -81,8 +81,8 @@ impl Staleness {
         self.lights_changed[set as usize] = false;
     }
 
-    /// How many turns of a set still count, at most `longest`: none where a light has changed, as few VPLs may be of it; what moves
-    /// between surfaces is known place by place, see `swept_bounds`.
+    /// How many turns of a set still count, at most `longest`: none where a light has changed, as few VPLs may be of it; occlusion by objects
+    /// that move is known place by place, see `swept_bounds`.
     pub fn history(&self, set: u32, longest: u32) -> f32 {
         if self.lights_changed[set as usize] {
             return 0.0;
