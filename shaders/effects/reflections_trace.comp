@@ -288,7 +288,7 @@ struct ReflectingSurface {
 };
 
 // The first thin surface of a pixel, and the path that begins there, as a share of its albedo; the rest is for irradiance.
-bool thin_surface_at(ivec2 pixel, out ReflectingSurface seen, out Path path) {
+bool thin_surface_at(ivec2 pixel, out ReflectingSurface reflector, out Path path) {
     path = new_path();
     vec3 direction = pixel_ray(vec2(pixel));
     float start = push.near;
@@ -296,10 +296,10 @@ bool thin_surface_at(ivec2 pixel, out ReflectingSurface seen, out Path path) {
     HitSurface met;
     if (!next_thin_surface(direction, start, FAR, push.spread, hit, met)) return false;
     Reflection reflection = prepare_bsdf(met.bsdf, met.shading, -normalize(direction));
-    seen.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
-    seen.roughness = met.bsdf.roughness;
-    seen.instance = hit.instance + 1u;
-    seen.mirrors = true;
+    reflector.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
+    reflector.roughness = met.bsdf.roughness;
+    reflector.instance = hit.instance + 1u;
+    reflector.mirrors = true;
     vec3 all = max(reflection.diffuse + reflection.reflected, vec3(1e-6));
     path.throughput = reflection.reflected * reflection_weight(met.bsdf.roughness) / all;
     vec3 weight = (vec3(1.0) - path.throughput) / PI;
@@ -312,18 +312,18 @@ void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    ReflectingSurface seen;
-    seen.at.surface = surface_at(pixel);
-    seen.roughness = imageLoad(gbuffer_albedo, pixel).a;
-    seen.instance = id.x;
-    seen.mirrors = id.x != 0u && reflection_weight(seen.roughness) > 0.0;
-    if (seen.mirrors) {
-        seen.at = shading_point_at(pixel, id);
-        seen.mirrors = seen.at.is_glossy;
+    ReflectingSurface reflector;
+    reflector.at.surface = surface_at(pixel);
+    reflector.roughness = imageLoad(gbuffer_albedo, pixel).a;
+    reflector.instance = id.x;
+    reflector.mirrors = id.x != 0u && reflection_weight(reflector.roughness) > 0.0;
+    if (reflector.mirrors) {
+        reflector.at = shading_point_at(pixel, id);
+        reflector.mirrors = reflector.at.is_glossy;
     }
     vec4 then = imageLoad(reprojected, pixel);
     Path path = new_path();
-    ShadingPoint begins = seen.at;
+    ShadingPoint begins = reflector.at;
     vec3 scale = vec3(1.0);
     uint first_light = frame.direct_lights;
     bool is_thin = false, is_traced = true;
@@ -332,7 +332,7 @@ void main() {
     Path from_thin;
     if (before != vec3(0.0) && thin_surface_at(pixel, thin, from_thin)) {
         vec3 behind = vec3(0.0);
-        if (seen.mirrors) behind = seen.at.reflection.reflected * reflection_weight(seen.roughness) * imageLoad(thin_transmittance, pixel).rgb;
+        if (reflector.mirrors) behind = reflector.at.reflection.reflected * reflection_weight(reflector.roughness) * imageLoad(thin_transmittance, pixel).rgb;
         float share = luminance(before) / luminance(before + behind);
         bool begins_before = noise(pixel, 3u).y < share;
         scale = (begins_before ? before / share : behind / (1.0 - share)) / max(before + behind, vec3(1e-6));
@@ -343,23 +343,23 @@ void main() {
         }
         is_thin = share >= 0.5;
         is_traced = is_thin == begins_before;
-        if (is_thin) seen = thin;
+        if (is_thin) reflector = thin;
     }
 
     vec4 result = vec4(0.0);
-    Surface surface = seen.at.surface;
-    MirrorImage image = MirrorImage(surface.position, surface.depth, surface.shading, surface.geometric, seen.instance);
-    if (seen.mirrors) {
+    Surface surface = reflector.at.surface;
+    MirrorImage image = MirrorImage(surface.position, surface.depth, surface.shading, surface.geometric, reflector.instance);
+    if (reflector.mirrors) {
         FirstHit first;
         path = trace_path(pixel, path, begins, first_light, first);
         path.record.weight *= scale;
         // The reflection by another surface than the visible one says nothing of the image in it.
         if (!is_traced) first = FirstHit(false, 0u, 0.0, vec3(0.0), vec3(0.0), vec3(0.0));
-        float blur = blur_of(surface, seen.at.reflection.alpha, first, path.record.weight != vec3(0.0));
+        float blur = blur_of(surface, reflector.at.reflection.alpha, first, path.record.weight != vec3(0.0));
         result = vec4(min(path.radiance * scale, MOST_HALF), blur);
-        bool is_sharp = seen.roughness < IMAGE_ROUGHNESS && is_traced;
+        bool is_sharp = reflector.roughness < IMAGE_ROUGHNESS && is_traced;
         MirrorImage mirrored = image_of(surface, first);
-        bool moves = seen.roughness < MOVING_ROUGHNESS && (is_thin || is_flat(pixel, surface.shading));
+        bool moves = reflector.roughness < MOVING_ROUGHNESS && (is_thin || is_flat(pixel, surface.shading));
         MirrorImage moving = image;
         if (is_sharp) image = mirrored;
         if (moves) moving = mirrored;
@@ -370,11 +370,11 @@ void main() {
     imageStore(hit_place, pixel, pack_place(path.record));
     imageStore(hit_weight, pixel, pack_weight(path.record));
     // Where nothing is mirrored there is nothing to denoise.
-    float depth = seen.mirrors ? image.depth : 0.0;
+    float depth = reflector.mirrors ? image.depth : 0.0;
     imageStore(image_depth, pixel, vec4(depth));
     imageStore(image_normal, pixel, vec4(octahedral_encode(image.shading), octahedral_encode(image.geometric)));
     VisibleSurface packed = VisibleSurface(depth, image.shading);
-    imageStore(image_surface, pixel, seen.mirrors ? pack_surface(packed) : uvec4(0u));
+    imageStore(image_surface, pixel, reflector.mirrors ? pack_surface(packed) : uvec4(0u));
     imageStore(image_instance, pixel, uvec4(image.instance));
     imageStore(image_reprojected, pixel, then);
 }

@@ -231,7 +231,7 @@ fn along_animation(report: &Report, grid: &Grid<'_>) -> Chart {
     Chart::curves("along-the-animation", curves)
 }
 
-/// Error against time, a panel for each scene: in motion, and until a still picture stands still.
+/// Error against time, a panel for each scene: in motion, and until a still picture is frozen.
 fn pareto(report: &Report, noise: &Noise) -> Vec<Chart> {
     if report.runs.iter().all(|run| run.quality.is_none()) {
         return Vec::new();
@@ -256,7 +256,7 @@ fn pareto(report: &Report, noise: &Noise) -> Vec<Chart> {
             report,
             "pareto-still",
             "Error against time of a still picture",
-            "time until the picture stands still, ms",
+            "time until the picture is frozen, ms",
             &still,
         ),
     ]

@@ -89,10 +89,10 @@ pub struct Quality {
     pub still: Still,
 }
 
-/// A picture of one moment, from a fresh start until it stands still.
+/// A picture of one moment, from a fresh start until it is frozen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Still {
-    /// Frames until it stands still.
+    /// Frames until it is frozen.
     pub frames: u32,
     /// Their time, ms.
     pub ms: f64,

@@ -244,7 +244,7 @@ fn pixels_know_where_their_surface_was() {
         moved[usize::from(instance == 2)] += usize::from(found.length() > 1.0);
     }
     assert!(moved[0] > 5000 && moved[1] > 200, "{moved:?}");
-    // Once all stands still, nothing moves.
+    // In a stationary scene nothing moves.
     renderer.render(&now).unwrap();
     let still = renderer.read_picture(true).unwrap();
     let motion = &still.layers.iter().find(|layer| layer.name == "motion").unwrap().channels;

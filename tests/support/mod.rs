@@ -149,8 +149,8 @@ pub fn scene(text: &str) -> Arc<Scene> {
     named_scene(file.to_str().unwrap(), None)
 }
 
-/// The defaults without what other tests look at: hard shadows, one sample in the middle of each pixel, nothing is mirrored, and what
-/// stands still is shown as what moves.
+/// The defaults without what other tests look at: hard shadows, one sample in the middle of each pixel, nothing is mirrored, and
+/// still frames are not averaged.
 pub fn plain() -> Settings {
     Settings {
         direct: Direct::Hard,

@@ -87,7 +87,7 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
     vec2 tangents = parameters.tan_y * vec2(size.x / size.y, 1.0);
     vec2 pixel = (p.xy / (p.z * tangents) * 0.5 + 0.5) * size - 0.5;
     vec2 at = (pixel - vec2(parameters.offset)) / float(sets.set_step);
-    // Rounding must not ask a second texel in a view that stands still.
+    // Rounding must not ask a second texel in a stationary view.
     at = mix(at, round(at), lessThan(abs(at - round(at)), vec2(0.005)));
     vec2 base = floor(at);
     vec2 part = at - base;
