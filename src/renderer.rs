@@ -80,9 +80,9 @@ pub enum RenderError {
 /// Draws a scene, frame by frame.
 pub struct Renderer {
     scene: Arc<Scene>,
-    /// As they were given.
+    /// The settings as given.
     settings: Settings,
-    /// With the choices made that these leave.
+    /// The settings with the choices made that those leave.
     resolved: Settings,
     view: DebugView,
     bvh: TwoLevelBvh,

@@ -168,7 +168,7 @@ pub struct RenderReport {
     pub load: LoadTimes,
     /// Most device memory in use at once, bytes.
     pub device_memory: u64,
-    /// From one frame to the next, median over those after the first two, milliseconds; none if there are none.
+    /// Time from one frame to the next, median over those after the first two, milliseconds; none if there are none.
     pub interval_ms: Option<f64>,
     /// Every frame, in order.
     pub frames: Vec<FrameReport>,

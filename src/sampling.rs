@@ -210,12 +210,12 @@ impl Frame {
         Self { tangent, bitangent: normal.cross(tangent), normal }
     }
 
-    /// From the world to this frame.
+    /// Transforms a vector from the world to this frame.
     pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
         Vec3::new(self.tangent.dot(v), self.bitangent.dot(v), self.normal.dot(v))
     }
 
-    /// From this frame to the world.
+    /// Transforms a vector from this frame to the world.
     pub(crate) fn to_world(self, v: Vec3) -> Vec3 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }

@@ -85,7 +85,7 @@ pub struct Quality {
     pub settling_frames: u32,
     /// Mean absolute change of luminance from frame to frame after that (Schied et al. 2017), W/m^2/sr.
     pub temporal_error: f64,
-    /// At the last moment.
+    /// Quality at the last moment.
     pub still: Still,
 }
 

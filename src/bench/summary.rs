@@ -128,7 +128,7 @@ pub struct Figure {
     /// Interquartile mean: over the middle half of the frames, ordered by frame time. Robust against slow frames, and the
     /// stages add up to it.
     pub midmean: f64,
-    /// For times: 95 % confidence interval of the median of another run.
+    /// 95 % confidence interval of the median of another run, for times.
     pub interval: Option<[f64; 2]>,
 }
 

@@ -11,7 +11,7 @@ use super::shapes::{cuboid, lathe, lathe_shaped};
 /// A column with base and capital.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
-    /// From floor to the top of the abacus.
+    /// Height from the floor to the top of the abacus.
     pub height: f32,
     /// Radius of the shaft at its foot.
     pub radius: f32,

@@ -246,7 +246,7 @@ const IN_FLIGHT: usize = 2;
 /// The results of a run.
 struct Rendered {
     reports: Vec<FrameReport>,
-    /// From one frame to the next, median: the time of the loop without what writes pictures.
+    /// Time from one frame to the next, median: that of the loop without writing pictures.
     interval_ms: Option<f64>,
     /// The warning about the last picture.
     extreme: Option<&'static str>,

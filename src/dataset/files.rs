@@ -30,7 +30,7 @@ pub(super) const RGBA: [&str; 4] = ["R", "G", "B", "A"];
 pub(super) struct FrameState {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// As those of [`DenoiserFrame`].
+    /// The eye, and below the rays, as those of [`DenoiserFrame`].
     pub eye: Vec3,
     /// See `eye`.
     pub rays: [Vec3; 3],

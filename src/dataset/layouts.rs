@@ -1,4 +1,4 @@
-//! From the files of a frame, in each layout, to what a denoiser is given.
+//! Reads the files of a frame, in each layout, into the inputs of a denoiser.
 
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
@@ -19,7 +19,7 @@ const NONE_MIRRORS: f32 = -1.0;
 type Images = BTreeMap<&'static str, Vec<[f32; 4]>>;
 
 impl DatasetFrames {
-    /// As the renderer wrote it.
+    /// The renderer's own inputs.
     pub(super) fn live(&self, frame: u32) -> Result<DenoiserFrame, DatasetError> {
         let state = self.state(frame)?;
         let (path, picture) = self.picture("live", frame)?;
@@ -109,7 +109,7 @@ impl DatasetFrames {
         Ok(FrameState { size, eye, rays, view_projection, instances, reflection_limit: None })
     }
 
-    /// From where each point was seen in the last frame to its pixel, pixels.
+    /// Motion from where each point was seen in the last frame to its pixel, pixels.
     fn camera_motion(&self, frame: u32, positions: &[[f32; 3]]) -> Vec<[f32; 4]> {
         let (Some(matrices), Some(last)) = (&self.matrices, frame.checked_sub(1)) else {
             return vec![[0.0; 4]; positions.len()];

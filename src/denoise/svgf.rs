@@ -67,7 +67,7 @@ pub struct Svgf {
     history: History<Image>,
     /// Moments of its luminance.
     moments: History<Image>,
-    /// Before and after a step of the filter, in turns.
+    /// Images before and after a step of the filter, by turns.
     light: [Image; 2],
     /// Which of them holds the result; none without a filter: the history is the result.
     result: Option<usize>,

@@ -60,15 +60,15 @@ pub struct Reflections {
 
 /// The surface seen in reflections: in smooth surfaces the mirror image of the hit, elsewhere the surface itself.
 struct MirrorImage {
-    /// As those of the G-buffer.
+    /// View depth, as that of the G-buffer.
     depth: Image,
-    /// As those of the G-buffer.
+    /// Normals, as those of the G-buffer.
     normal: Image,
-    /// As `Reprojection::surface`.
+    /// Surfaces, as `Reprojection::surface`.
     surfaces: History<Image>,
     /// The instances of what is seen, plus one.
     instances: History<Image>,
-    /// As `Reprojection::reprojected`.
+    /// Where they were, as `Reprojection::reprojected`.
     reprojected: Image,
 }
 

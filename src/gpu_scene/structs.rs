@@ -52,7 +52,7 @@ pub struct FrameUniforms {
     pub light_count: u32,
     /// Number of the frame in the sequence of random numbers.
     pub noise_frame: u32,
-    /// From the middle of a pixel to where it is sampled, pixels.
+    /// Offset from the middle of a pixel to where it is sampled, pixels.
     pub jitter: Vec2,
     /// Seed of random numbers.
     pub seed: u32,

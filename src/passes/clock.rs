@@ -164,7 +164,7 @@ impl FrameClock {
         (still + still / period) % CHECKERBOARD_PHASES
     }
 
-    /// From the middle of a pixel to where it is sampled, pixels.
+    /// Offset from the middle of a pixel to where it is sampled, pixels.
     pub fn jitter(&self) -> Vec2 {
         if !self.is_jittered {
             return Vec2::ZERO;

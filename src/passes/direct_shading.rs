@@ -26,11 +26,11 @@ pub enum Shadows<'a> {
 /// Variants of the shader; their numbers have twins in shaders/passes/direct_shading.comp.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum DirectShader {
-    /// For [`Shadows::Hard`].
+    /// Constant for [`Shadows::Hard`].
     Hard,
-    /// For [`Shadows::Soft`].
+    /// Constant for [`Shadows::Soft`].
     Soft,
-    /// For [`Shadows::None`].
+    /// Constant for [`Shadows::None`].
     Unlit,
 }
 

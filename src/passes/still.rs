@@ -36,9 +36,9 @@ pub struct SampledIrradiance<'a> {
 
 /// The pass reads these.
 pub struct StillInputs<'a> {
-    /// As sampled; its irradiance is not read.
+    /// Images as sampled; the irradiance is not read.
     pub raw: &'a CombineInputs<'a>,
-    /// As sampled.
+    /// Irradiance as sampled.
     pub irradiance: SampledIrradiance<'a>,
     /// The denoised picture with smooth edges, RGBA16F; none: it lies where this pass writes.
     pub antialiased: Option<&'a Image>,

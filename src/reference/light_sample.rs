@@ -21,7 +21,7 @@ pub(super) struct LightSample {
 /// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ShadowEnd {
-    /// At a point, offset from the light's surface if it has one.
+    /// A point, offset from the light's surface if it has one.
     Point(Vec3),
     /// After this distance along the direction; infinite where nothing is behind the light.
     Distance(f32),

@@ -58,7 +58,7 @@ impl DirectDescription {
 pub(super) enum ShadowPasses {
     /// One ray to each light.
     Hard(Box<DirectShadowsPass>),
-    /// To a random point of one.
+    /// One ray to a random point of one light.
     Soft(Box<SoftShadows>),
     /// The estimator's.
     Estimator,

@@ -1,4 +1,4 @@
-//! From the device's images to a [`Picture`].
+//! Reads the device's images back into a [`Picture`].
 
 use std::f32::consts::PI;
 

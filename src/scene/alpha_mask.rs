@@ -9,7 +9,7 @@ use glam::Vec2;
 use super::texture::Footprint;
 use super::texture_use::Wrap;
 
-/// By how much, relatively, alpha may miss the cutoff of a mask: vertices have half floats.
+/// Relative error of alpha at the cutoff of a mask: vertices have half floats.
 const TOLERANCE: f32 = 1.0 / 2048.0;
 
 /// The alpha by which a surface is cut out: the same for raster, CPU rays and shader rays.

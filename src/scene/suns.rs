@@ -51,7 +51,7 @@ pub(super) struct Separated {
 }
 
 impl Pose {
-    /// With the suns of its environment as lights after all others.
+    /// The pose with the suns of its environment as lights after all others.
     pub(crate) fn with_suns(pose: Cow<'_, Self>) -> Cow<'_, Self> {
         let Some(environment) = &pose.environment else { return pose };
         let Some(Separated { suns, sky }) = environment.map.as_ref().and_then(|map| map.separated()) else {

@@ -88,7 +88,7 @@ pub struct TextureUse {
     pub matrix: Mat2,
     /// Added then.
     pub offset: Vec2,
-    /// Along u and v.
+    /// Wrap modes along u and v.
     pub wrap: [Wrap; 2],
     /// Whether a magnified image shows its texels as they are, the nearest; otherwise it is interpolated.
     pub nearest: bool,

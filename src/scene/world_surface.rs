@@ -62,7 +62,7 @@ pub struct SidedSurface {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceTransform {
     transform: Affine3A,
-    /// For normals: the inverse transpose, up to scale.
+    /// Matrix for normals: the inverse transpose, up to scale.
     normals: Mat3A,
 }
 

@@ -85,7 +85,7 @@ impl Drop for Compute {
 /// Parameters of a [`GraphicsPipeline`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GraphicsDescription {
-    /// For messages and debuggers.
+    /// Name for messages and debuggers.
     pub name: &'static str,
     /// Compiled vertex shader.
     pub vertex: &'static [u8],

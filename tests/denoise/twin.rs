@@ -36,7 +36,7 @@ pub fn expanded(texel: Vec4) -> Vec4 {
     Vec4::new(texel.x / rest, texel.y / rest, texel.z / rest, texel.w / (rest * rest))
 }
 
-/// Over those of 5x5 texels of the last frame that have a history: mean luminance, its standard deviation, and by how much the mean
+/// Statistics of those of 5x5 texels of the last frame that have a history: mean luminance, its standard deviation, and by how much the mean
 /// of the last frames differs; and how many texels there are at all.
 fn recent(moments: &[Vec4], place: IVec2) -> [f32; 4] {
     let around = (-2..=2).flat_map(|y| (-2..=2).map(move |x| place + IVec2::new(x, y)));

@@ -23,11 +23,11 @@ const GROUP: u32 = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RayKind {
-    /// From the camera through pixels.
+    /// Rays from the camera through pixels.
     Primary,
-    /// From pixels to VPLs.
+    /// Rays from pixels to VPLs.
     Shadow,
-    /// From visible surfaces, cosine-distributed.
+    /// Rays from visible surfaces, cosine-distributed.
     Incoherent,
 }
 

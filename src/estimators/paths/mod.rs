@@ -110,7 +110,7 @@ pub struct Paths {
     trace: ComputePipeline,
     /// Made where reflection rays are traced.
     light_hits: Option<ComputePipeline>,
-    /// By the pixel's own paths.
+    /// Irradiance by the pixel's own paths.
     irradiance: Image,
     vertices: PathVertices,
     filter: Option<Filter>,

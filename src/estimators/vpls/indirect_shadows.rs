@@ -36,7 +36,7 @@ pub(super) struct SamplingPush {
     set_step: u32,
     first_sample: u32,
     end_sample: u32,
-    /// Over all dispatches; 0: every VPL is gathered.
+    /// Samples over all dispatches; 0: every VPL is gathered.
     samples: u32,
     /// Share of the light that a set holds.
     set_share: f32,
@@ -61,9 +61,9 @@ pub struct IndirectShadowsPass {
     /// Whether there is a bound of the geometry term.
     bounded: bool,
     step: u32,
-    /// For each tile, how likely it sees each cluster.
+    /// Probability that each tile sees each cluster.
     cluster_visibility: Buffer,
-    /// For each block, how much it samples each cluster.
+    /// Weight with which each block samples each cluster.
     cluster_weights: Buffer,
     /// rgb: scaled irradiance of each texel, before the filter; a: view depth.
     irradiance: Image,

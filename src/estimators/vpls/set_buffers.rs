@@ -84,9 +84,9 @@ pub struct SetPush {
     pub total_flux: f32,
     /// Number of the view.
     pub view: u32,
-    /// For a view: the number of this frame.
+    /// Number of this frame, for a view.
     pub frame: u32,
-    /// For a view: pixels from one texel of the set that this frame renders to the next.
+    /// Pixels from one texel of the set that this frame renders to the next, for a view.
     pub rendered_step: u32,
     /// For shaders/estimators/vpls/irradiance_upsampling.comp: which pixels it fills.
     pub fill_mode: FillMode,
@@ -129,12 +129,12 @@ pub struct SetBuffers {
     size: [u32; 2],
     /// Pixels from one texel to the next: 1 or 2.
     step: u32,
-    /// For each set its [`SetParameters`], zero before it was first rendered, and where its camera saw all instances, then the world:
+    /// [`SetParameters`] of each set, zero before it was first rendered, and where its camera saw all instances, then the world:
     /// [`SetView::rows`].
     views: Buffer,
     /// Luminous flux of each set, none before it was first rendered.
     flux: Vec<Option<f32>>,
-    /// With the world itself.
+    /// Number of instances, with the world itself.
     instances: usize,
 }
 

@@ -22,9 +22,9 @@ const FAR: f32 = 0.25;
 /// The changes since each set was rendered.
 #[derive(Clone, Debug)]
 pub struct Staleness {
-    /// For each set the sum, over the frames since, of the share of all flux that changed.
+    /// Sum for each set, over the frames since, of the share of all flux that changed.
     changes: Vec<f32>,
-    /// For each set whether a light has changed since.
+    /// Whether a light has changed since each set was rendered.
     lights_changed: Vec<bool>,
     /// Position and luminous flux of each VPL in the last frame.
     last: Vec<(Vec3, f32)>,
