@@ -30,9 +30,9 @@ pub(super) const RGBA: [&str; 4] = ["R", "G", "B", "A"];
 pub(super) struct FrameState {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// The eye, and below the rays, as those of [`DenoiserFrame`].
+    /// The eye, as that of [`DenoiserFrame`].
     pub eye: Vec3,
-    /// See `eye`.
+    /// Rays, as those of [`DenoiserFrame`].
     pub rays: [Vec3; 3],
     /// World to clip space, by columns; w is the view depth.
     pub view_projection: Mat4,

@@ -26,11 +26,11 @@ pub enum Shadows<'a> {
 /// Variants of the shader; their numbers have twins in shaders/passes/direct_shading.comp.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum DirectShader {
-    /// Constant for [`Shadows::Hard`].
+    /// Variant for [`Shadows::Hard`].
     Hard,
-    /// Constant for [`Shadows::Soft`].
+    /// Variant for [`Shadows::Soft`].
     Soft,
-    /// Constant for [`Shadows::None`].
+    /// Variant for [`Shadows::None`].
     Unlit,
 }
 
