@@ -10,9 +10,9 @@ use crate::vulkan::DeviceInfo;
 /// A row among the times of a frame: a pass, whose name is that of its timer, label and shader, or a stage of several passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassInfo {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its colour in plots, sRGB.
+    /// Colour in plots, sRGB.
     pub colour: [u8; 3],
     /// The stage that it is a part of, whose time is the sum of its parts and which stands before them.
     pub stage: Option<&'static str>,
@@ -98,7 +98,7 @@ pub struct FrameReport {
     pub frame: u64,
     /// Frames in which nothing has changed whose mean the picture goes over to, with this one; 0 while anything changes.
     pub still: u32,
-    /// Its measurements.
+    /// Measurements.
     #[serde(flatten)]
     pub figures: FrameFigures,
 }

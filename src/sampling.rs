@@ -112,7 +112,7 @@ pub enum SpotFalloff {
 }
 
 impl SpotFalloff {
-    /// Its mean over t.
+    /// Mean over t.
     pub fn mean(self) -> f64 {
         if self == Self::Smooth { 0.5 } else { 1.0 / 3.0 }
     }
@@ -186,7 +186,7 @@ fn inverse_falloff(mass: f64) -> f64 {
 pub(crate) struct Frame {
     tangent: Vec3,
     bitangent: Vec3,
-    /// Its z axis.
+    /// Z axis.
     pub(crate) normal: Vec3,
 }
 

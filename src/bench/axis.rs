@@ -87,7 +87,7 @@ impl Axis {
         }
     }
 
-    /// Its value of `run` as a coordinate of a plot; for a size the number of pixels; none for a method.
+    /// Value of the axis for `run` as a coordinate of a plot; for a size the number of pixels; none for a method.
     pub fn value(self, run: &Run) -> Option<f64> {
         match self {
             Self::Method => None,
@@ -96,7 +96,7 @@ impl Axis {
         }
     }
 
-    /// Its value of `run` as text.
+    /// Value of the axis for `run` as text.
     pub fn text(self, run: &Run) -> String {
         match self {
             Self::Method => run.method.to_string(),
@@ -105,7 +105,7 @@ impl Axis {
         }
     }
 
-    /// Its value of `run` as a phrase.
+    /// Value of the axis for `run` as a phrase.
     pub fn phrase(self, run: &Run) -> String {
         match self {
             Self::Number(axis) => axis.phrase((axis.get)(&run.settings)) + axis.note(&run.settings),

@@ -41,7 +41,7 @@ impl Chart {
         }
     }
 
-    /// Its text as an SVG.
+    /// Text as an SVG.
     pub fn svg(&self) -> Result<String, String> {
         match &self.drawing {
             Drawing::Curves(curves) => plot::svg_text(curves),

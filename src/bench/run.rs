@@ -20,7 +20,7 @@ pub struct Run {
     pub settings: Settings,
     /// Warm-up frames.
     pub warm_up: u32,
-    /// Its measurements.
+    /// Measurements.
     pub rounds: Vec<Round>,
     /// Errors against the path tracer's pictures, with `--quality`.
     pub quality: Option<Quality>,
@@ -94,7 +94,7 @@ pub struct Quality {
 pub struct Still {
     /// Frames until it is frozen.
     pub frames: u32,
-    /// Their time, ms.
+    /// Time of these frames, ms.
     pub ms: f64,
     /// Error of the last one.
     pub error: FrameQuality,

@@ -119,9 +119,9 @@ pub struct Summary {
 /// One quantity of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit.
     pub unit: Unit,
     /// Spread over the frames of all rounds.
     pub spread: Spread,

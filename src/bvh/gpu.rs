@@ -109,7 +109,7 @@ pub struct GpuAlphaMasks {
     pub triangle_uvs: Vec<GpuMaskedTriangle>,
     /// The scene's alpha masks.
     pub masks: Vec<GpuMask>,
-    /// Their texels, four or two a word, low bytes first.
+    /// Texels of the masks, four or two a word, low bytes first.
     pub mask_texels: Vec<u32>,
 }
 

@@ -20,7 +20,7 @@ pub struct World<'a> {
     pub scene: &'a Scene,
     /// Where everything stands now.
     pub pose: &'a Pose,
-    /// Its BVH, already updated to `pose`.
+    /// BVH, already updated to `pose`.
     pub bvh: &'a TwoLevelBvh,
 }
 

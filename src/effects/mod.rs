@@ -15,7 +15,7 @@ use crate::vulkan::{Device, Image, VulkanError};
 pub struct DebugImages<'a> {
     /// The signal as the rays of the last frame have it.
     pub noisy: &'a Image,
-    /// Its denoiser.
+    /// Denoiser.
     pub denoiser: &'a dyn Denoiser,
     /// How the signal itself is shown.
     pub signal: Visualization,

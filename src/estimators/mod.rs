@@ -249,7 +249,7 @@ impl Default for DebugView {
 
 /// A method's view reads and writes these.
 pub struct ViewInputs<'a> {
-    /// Its passes have read these.
+    /// Inputs that the estimator's passes have read.
     pub frame: &'a FrameInputs<'a>,
     /// Factor of the picture's exposure.
     pub exposure: &'a Buffer,

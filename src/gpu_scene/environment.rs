@@ -57,7 +57,7 @@ impl EnvironmentTexture {
         })
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 3] {
         [
             ("environment_map", (&self.image, &self.sampler).into()),

@@ -48,7 +48,7 @@ impl HitBuffers {
         })
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 3] {
         [
             ("corners", (&self.corners).into()),

@@ -140,7 +140,7 @@ impl SceneBuffers {
         }
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 7] {
         let [map, sky, distribution] = self.environment.resources();
         [

@@ -140,7 +140,7 @@ impl Tracer {
         }
     }
 
-    /// Its part of the scene set: all that shaders/include/tracer.glsl reads.
+    /// Part of the scene set: all that shaders/include/tracer.glsl reads.
     pub fn resources(&self) -> Vec<Named<'_>> {
         let mut resources: Vec<Named<'_>> = vec![
             ("bvh_masks", (&self.masks).into()),

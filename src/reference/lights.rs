@@ -199,11 +199,11 @@ impl Lights {
 /// A scattered ray that hit a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScatteredHit {
-    /// Its origin on a surface.
+    /// Origin on a surface.
     pub(super) from: Vec3,
     /// The normal there.
     pub(super) normal: Vec3,
-    /// Its unit direction.
+    /// Unit direction.
     pub(super) direction: Vec3,
     /// The hit point.
     pub(super) at: Vec3,

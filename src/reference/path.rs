@@ -40,11 +40,11 @@ const MAX_SURVIVAL: f32 = 0.95;
 #[derive(Clone)]
 struct Path<'a> {
     sampler: Sampler,
-    /// Its pixel.
+    /// Pixel.
     pixel: usize,
     /// The integral that it estimates.
     estimates: Estimates,
-    /// Its latest vertex.
+    /// Latest vertex.
     vertex: Interaction<'a>,
     /// How that reflects light towards the vertex before.
     reflection: Reflection,

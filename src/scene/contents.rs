@@ -24,7 +24,7 @@ pub struct Instance {
     pub mesh: usize,
     /// Object to world at rest; animation is applied by [`Scene::pose`].
     pub transform: Affine3A,
-    /// Its animation, if any.
+    /// Animation, if any.
     pub animation: Option<Animation>,
     /// Whether it may move: static instances have their own top-level BVH, which is built once.
     pub dynamic: bool,

@@ -167,7 +167,7 @@ impl EnvironmentMap {
         map
     }
 
-    /// Its suns and the rest, if it has any: see suns.rs. Searches for them at the first call.
+    /// Suns and the rest, if it has any: see suns.rs. Searches for them at the first call.
     pub(super) fn separated(&self) -> Option<&Separated> {
         self.separated.get_or_init(|| Separated::of(self)).as_ref()
     }

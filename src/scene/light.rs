@@ -36,7 +36,7 @@ pub enum LightKind {
     Area {
         /// Index into `Scene::instances`.
         instance: usize,
-        /// Its emissive triangles.
+        /// Emissive triangles.
         triangles: Vec<AreaTriangle>,
     },
 }
@@ -73,7 +73,7 @@ pub struct AreaTriangle {
     pub triangle: u32,
     /// The side that emits; where both do, each has an entry.
     pub front: bool,
-    /// Its corners within that triangle: the weights of the second and of the third vertex.
+    /// Corners within that triangle: the weights of the second and of the third vertex.
     pub corners: [Vec2; 3],
     /// Radiance, its mean over the texture, W/m^2/sr.
     pub radiance: Vec3,
@@ -126,7 +126,7 @@ pub struct Light {
     pub radius: f32,
     /// Half angle of the disc that shines (directional), radians, at most pi/2; 0 for parallel light.
     pub half_angle: f32,
-    /// Its animation, if any; an area light moves with its instance instead.
+    /// Animation, if any; an area light moves with its instance instead.
     pub animation: Option<Animation>,
 }
 

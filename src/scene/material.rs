@@ -120,7 +120,7 @@ impl Material {
         Self { f0, f90, roughness: roughness_of_exponent(shininess), ..self }
     }
 
-    /// Its textures: base colour, metallic and roughness, emission, normal.
+    /// Textures: base colour, metallic and roughness, emission, normal.
     pub fn texture_uses(&self) -> [Option<TextureUse>; 4] {
         [
             self.base_colour_texture,
@@ -135,7 +135,7 @@ impl Material {
         self.texture_uses().into_iter().flatten()
     }
 
-    /// Its reflection where its textures have these values.
+    /// BSDF where its textures have these values.
     pub(super) fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
         Bsdf {
             base: self.reflected_base() * texel,

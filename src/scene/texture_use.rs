@@ -31,7 +31,7 @@ impl Wrap {
         }
     }
 
-    /// Its number in shaders; twin: `wrapped` in shaders/include/wrap.glsl.
+    /// Number in shaders; twin: `wrapped` in shaders/include/wrap.glsl.
     pub(crate) fn number(self) -> u32 {
         match self {
             Self::Repeat => 0,
@@ -92,7 +92,7 @@ pub struct TextureUse {
     pub wrap: [Wrap; 2],
     /// Whether a magnified image shows its texels as they are, the nearest; otherwise it is interpolated.
     pub nearest: bool,
-    /// Its minification.
+    /// Minification.
     pub minified: Minified,
 }
 

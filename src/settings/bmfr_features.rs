@@ -45,7 +45,7 @@ impl BmfrFeatures {
         self.count
     }
 
-    /// Their codes, two a word, as shaders read them.
+    /// Codes, two a word, as shaders read them.
     pub fn words(&self) -> [u32; MOST_FEATURES / 2] {
         std::array::from_fn(|i| u32::from(self.codes[2 * i]) | u32::from(self.codes[2 * i + 1]) << 16)
     }

@@ -31,7 +31,7 @@ pub enum VulkanError {
     Call {
         /// The operation.
         operation: &'static str,
-        /// Its object.
+        /// Object.
         object: String,
         /// The driver's result code.
         result: vk::Result,

@@ -35,7 +35,7 @@ pub struct Binding {
     pub set: u32,
     /// Binding number within the set.
     pub binding: u32,
-    /// Its descriptor type.
+    /// Descriptor type.
     pub kind: BindingKind,
     /// Whether a function that the entry point calls, directly or not, names it.
     pub used: bool,

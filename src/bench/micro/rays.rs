@@ -35,7 +35,7 @@ impl RayKind {
     /// Every kind.
     pub const ALL: [Self; 3] = [Self::Primary, Self::Shadow, Self::Incoherent];
 
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Primary => "primary",

@@ -107,13 +107,13 @@ impl FillMode {
 /// The set that a frame renders.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderedSet {
-    /// Its index.
+    /// Index.
     pub set: u32,
     /// See [`SetBuffers::representative`].
     pub representative: [u32; 2],
     /// Its buffer holds irradiance times this.
     pub irradiance_scale: f32,
-    /// Its luminous flux.
+    /// Luminous flux.
     pub flux: f32,
 }
 

@@ -73,11 +73,11 @@ pub enum PathStyle {
     /// The VPL's bounce.
     #[default]
     Bounce,
-    /// Its flux.
+    /// Flux.
     Flux,
     /// How many frames ago it was shot.
     Age,
-    /// Its temporal set.
+    /// Temporal set.
     Set,
     /// Whether it lights something that the camera sees.
     Usefulness,

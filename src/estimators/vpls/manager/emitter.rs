@@ -200,9 +200,9 @@ impl Source {
 pub(super) struct AreaTable {
     /// The emissive instance.
     pub(super) instance: u32,
-    /// Its emissive triangles, ascending by index and side.
+    /// Emissive triangles, ascending by index and side.
     triangles: Vec<AreaTriangle>,
-    /// Their cumulative distribution.
+    /// Cumulative distribution over the triangles.
     cdf: Vec<f32>,
     /// Triangle flux / (probability * light flux), per channel: 1 for lights of uniform colour.
     weights: Vec<Vec3>,
