@@ -34,7 +34,7 @@ impl LightSample {
     }
 }
 
-/// The power heuristic (Veach 1997, equation 9.18, exponent 2): the weight of a sample drawn with pdf `own` where
+/// The power heuristic (Veach 1997, equation 9.18, exponent 2): the weight of a sample with pdf `own` where
 /// the other technique has pdf `other`.
 pub(super) fn power_heuristic(own: f32, other: f32) -> f32 {
     let ratio = other / own;

@@ -48,7 +48,7 @@ struct Path<'a> {
     vertex: Interaction<'a>,
     /// How that reflects light towards the vertex before.
     reflection: Reflection,
-    /// Direction of its latest ray, and the density with which it was drawn; none for that of a mirror.
+    /// Direction of its latest ray, and the density with which it was sampled; none for that of a mirror.
     direction: Vec3,
     density: Option<f32>,
     /// Weight of the radiance along the next ray.

@@ -341,14 +341,14 @@ mod tests {
         }
         let total: f64 = shares.iter().sum();
         assert!((total - 1.0).abs() < 1e-3, "{total}");
-        // Texels that are hardly ever drawn say little.
+        // Texels that are hardly ever sampled say little.
         let kept: Vec<usize> = (0..512).filter(|&cell| shares[cell] * f64::from(SAMPLES) > 5.0).collect();
         assert!(kept.len() > 8);
-        let drawn: u32 = kept.iter().map(|&cell| counts[cell]).sum();
+        let sampled: u32 = kept.iter().map(|&cell| counts[cell]).sum();
         let counts: Vec<u32> = kept.iter().map(|&cell| counts[cell]).collect();
         let part: f64 = kept.iter().map(|&cell| shares[cell]).sum();
         let shares: Vec<f64> = kept.iter().map(|&cell| shares[cell] / part).collect();
-        assert!(f64::from(drawn) > 0.9 * f64::from(SAMPLES) * part);
+        assert!(f64::from(sampled) > 0.9 * f64::from(SAMPLES) * part);
         let chi = chi_square(&counts, &shares);
         assert!(chi < 1.8, "{chi} of {}", counts.len());
         let estimate = (sum / f64::from(SAMPLES) / (4.0 * std::f64::consts::PI)).as_vec3();
