@@ -1,4 +1,4 @@
-// The features of a texel: products of what is known of its surface. Twin: src/settings/bmfr_features.rs. Needs gbuffer.glsl and
+// The features of a texel: products of attributes of its surface. Twin: src/settings/bmfr_features.rs. Needs gbuffer.glsl and
 // FEATURES.
 
 // Codes of three factors a feature, 5 bits each: see `factor_of`; of two features a word.

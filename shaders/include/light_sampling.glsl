@@ -1,4 +1,4 @@
-// One of all lights, area lights among them: chosen in proportion to about what it sends to the eye, unoccluded; then a
+// One of all lights, area lights among them: sampled in proportion to an estimate of its unoccluded radiance to the eye; then a
 // point of the light. Needs unshadowed.glsl and tracer.glsl.
 #include "reservoir.glsl"
 

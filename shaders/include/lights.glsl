@@ -36,7 +36,7 @@ vec3 unshadowed_irradiance(LightData light, Surface surface, out vec3 to_light) 
     return faces ? irradiance * cosine : vec3(0.0);
 }
 
-// Lights of which a texel of a layer of `direct_shadows` tells what arrives: a bit each or, where thin surfaces tint it, the colour of
+// Lights whose transmittance a texel of a layer of `direct_shadows` holds: a bit each or, where thin surfaces tint it, the colour of
 // one with 11, 11 and 10 bits. Twin: `lights_per_layer` in src/passes/direct_shadows.rs.
 const uint LIGHTS_PER_LAYER = HAS_THIN_SURFACES ? 1u : 32u;
 

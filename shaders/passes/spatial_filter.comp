@@ -3,7 +3,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 // One level of an edge-avoiding a-trous filter (Dammertz et al. 2010) over a signal whose variance is known, as wide as that variance
 // asks for (Schied et al. 2017): texels count if they differ by no more than noise explains, those on other surfaces less. In: the
-// signal, a: 0 where a texel knows nothing; the variance of its luminance. Out: both, filtered.
+// signal, a: 0 where a texel has none; the variance of its luminance. Out: both, filtered.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "rounded.glsl"

@@ -37,7 +37,7 @@ vec4 added(vec4 before, vec3 raw, float count) {
     return vec4(now, squares);
 }
 
-// Weight in the variance of what the denoised picture knows better: few samples that are all dark seem to have no variance.
+// Weight of the difference from the denoised picture in the variance: few samples that are all dark seem to have none.
 const float DISAGREEMENT = 4.0;
 
 // Deviation of a mean without noise: 0 stands for a mean without samples.

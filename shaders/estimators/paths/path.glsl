@@ -7,7 +7,7 @@ layout(constant_id = 2) const uint BOUNCES = 2u;
 
 // Dimensions of the random numbers at a vertex: direction; light and lobe; point of the light.
 const uint DIMENSIONS = 3u;
-// Blue noise for the first surface alone: further bounces scramble what it would bring.
+// Blue noise for the first surface alone: further bounces would scramble it.
 vec2 path_noise(ivec2 pixel, uint frame_index, uint dimension, uint bounce) {
     return bounce == 0u ? noise_of(pixel, frame_index, dimension) : white_noise_of(pixel, frame_index, dimension + bounce * DIMENSIONS);
 }
@@ -17,7 +17,7 @@ const float DIFFUSE_SPREAD = 0.1;
 
 uint environment_light() { return frame.light_count + frame.area_light_count; }
 
-// Luminance of about what a light sends to where a path came from, unoccluded.
+// Estimates the unoccluded luminance that a light sends to where a path came from.
 float light_weight(uint index, ShadingPoint at) {
     if (index != environment_light()) return luminance(unshadowed_radiance(index, at));
     return push.environment * luminance(at.diffuse + (at.is_glossy ? at.reflection.reflected : vec3(0.0)));
@@ -115,7 +115,7 @@ float mis_weight_bsdf(ShadingPoint at, Reservoir reservoir, uint index, float de
     return power_heuristic(scattered.density, probability * density);
 }
 
-// MIS weight of emission that a scattered ray has hit; 0 where it is direct light, which other passes bring.
+// MIS weight of emission that a scattered ray has hit; 0 for direct light, which other passes add.
 float mis_weight_emission(ShadingPoint at, Reservoir reservoir, uint first, TracerHit hit, HitSurface surface, Scattered scattered) {
     uint light = instances.data[hit.instance].area_light;
     if (light == 0u) return 1.0;
@@ -130,7 +130,7 @@ float mis_weight_emission(ShadingPoint at, Reservoir reservoir, uint first, Trac
 // Follows a scattered ray from `at`: adds what it meets to the light that `at` sends back, and goes on to the surface that it meets, if
 // there is one.
 bool scatter(inout ShadingPoint at, Reservoir reservoir, uint first, inout Scattered scattered, inout RayCone cone, inout vec3 light, inout uint rays) {
-    // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling knows none.
+    // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling cannot find it.
     float below = dot(at.surface.geometric, scattered.direction);
     if (below <= 0.0) {
         scattered.direction -= 2.0 * below * at.surface.geometric;

@@ -54,7 +54,7 @@ ivec2 block_offset() { return ivec2(uvec2(3u, 5u) * vpl.layer + uvec2(5u, 2u) * 
 
 uvec2 block_of(uvec2 texel) { return (texel + uvec2(block_offset())) / BLOCK; }
 
-// Approximates the unoccluded irradiance of a surface by a cluster. Never zero, as one of its VPLs may bring something.
+// Approximates the unoccluded irradiance of a surface by a cluster. Never zero, as one of its VPLs may light the surface.
 float importance(VplCluster cluster, Surface surface) {
     if (cluster.at_infinity != 0u) {
         return cluster.flux * clamp(dot(surface.shading, cluster.position) + cluster.radius, 0.05, 1.0);
@@ -71,7 +71,7 @@ float importance(VplCluster cluster, Surface surface) {
 // VPLs of a cluster among which one is chosen; of larger clusters every so many.
 const uint MOST_CHOICES = 8u;
 
-// A VPL, counted from the set's first, and one over its probability; 0: it brings nothing.
+// A VPL, counted from the set's first, and one over its probability; 0: it sends no light.
 struct SampledVpl {
     uint index;
     float inverse_probability;

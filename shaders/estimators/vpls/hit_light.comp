@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Lights what reflection rays have hit: each hit samples one VPL of the frame's set, first a cluster, then a VPL of it, by about what it
-// brings, and casts a ray to it. In: the hits. Out: their light is added to the reflection. The set stands for all of them.
+// Lights the hits of reflection rays: each samples one VPL of the frame's set by its unoccluded light, first a cluster, then a VPL of it, and
+// casts a ray to it. In: the hits. Out: their light is added to the reflection. The set stands for all of them.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "rounded.glsl"

@@ -28,7 +28,7 @@ layout(set = 0, binding = 10, rgba16f) uniform image2D irradiance;
 #include "surface.glsl"
 #include "slope.glsl"
 
-// Adds what the coarse texel knows of the pixel's surface, if it lies there too.
+// Adds the irradiance of a coarse texel, if it lies on the pixel's surface.
 void add_coarse(inout vec4 sum, inout float weights, ivec2 texel, float weight, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
     texel = clamp(texel, ivec2(0), last);
