@@ -41,18 +41,12 @@ impl Passes {
     ) -> Result<(), VulkanError> {
         let pass = &self.indirect_reprojection;
         let push = |sets: &SetBuffers, fill_mode| SetPush { fill_mode, ..sets.push(light.0, light.1) };
-        let Some(previous_sets) = &self.previous_sets else {
+        let Some(previous) = &self.previous_sets else {
             let push = push(&self.sets, FillMode::default());
             return pass.upsample(frame, inputs, uploaded, (&self.sets, &push), denoised);
         };
         // Old sets know nothing of what comes into view.
-        pass.upsample(
-            frame,
-            inputs,
-            uploaded,
-            (previous_sets, &push(previous_sets, FillMode::LEAVE)),
-            denoised,
-        )?;
+        pass.upsample(frame, inputs, uploaded, (previous, &push(previous, FillMode::LEAVE)), denoised)?;
         pass.upsample(frame, inputs, uploaded, (&self.sets, &push(&self.sets, FillMode::FILL)), denoised)
     }
 
