@@ -81,7 +81,7 @@ fn uncovered_brightness(gpu: &GpuFixture, missing_sets: MissingSets) -> (f32, f3
     for step in 1..=STEPS {
         renderer.render(&strafed(&rest, f32::from(step) * STEP)).unwrap();
     }
-    let counts = set_counts(&gpu, &renderer);
+    let counts = set_counts(gpu, &renderer);
     let new: Vec<usize> = (0..counts.len()).filter(|&pixel| counts[pixel] == 1).collect();
     assert!(new.len() > 40, "only {} pixels are new", new.len());
     let over = |picture: Vec<[f32; 3]>| mean(new.iter().map(|&pixel| luminance(&picture[pixel])));
