@@ -10,7 +10,7 @@ use super::storage_image_array;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// Lights of which a texel of one layer tells. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
+/// Lights in a texel of one layer. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
 fn lights_per_layer(thin_surfaces: bool) -> u32 {
     if thin_surfaces { 1 } else { 32 }
 }

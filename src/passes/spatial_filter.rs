@@ -20,7 +20,7 @@ pub struct FilteredSignal<'a> {
     pub depth: &'a Image,
     /// Shading and geometric normals, as in the G-buffer.
     pub normal: &'a Image,
-    /// rgb: the signal, RGBA16F; a: 0 where a texel knows nothing, otherwise left as it is. Overwritten.
+    /// rgb: the signal, RGBA16F; a: 0 where a texel has none, otherwise left as it is. Overwritten.
     pub noisy: &'a Image,
     /// Variance of its luminance, R32F. Overwritten.
     pub variance: &'a Image,

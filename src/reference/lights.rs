@@ -184,7 +184,7 @@ impl Lights {
     ) -> Option<(Vec3, f32)> {
         let index = self.of_instance[hit.instance as usize]?;
         let PosedLight::Area(area) = &self.lights[index] else { return None };
-        // Light sampling knows no emission that all points of a piece have missed.
+        // Light sampling cannot find emission that all points of a piece have missed.
         let density = area.emitter_at((hit.triangle, front), hit.barycentrics).map_or(0.0, |emitter| {
             let cosine = -emitter.normal.dot(scattered.direction);
             let squared = scattered.from.distance_squared(scattered.at);

@@ -258,7 +258,7 @@ impl Reference<'_> {
     }
 
     /// Samples the next ray of a path; none if nothing is reflected. One that the shading normal sends below the triangle is mirrored
-    /// by it: no energy is lost. Light sampling knows no such rays.
+    /// by it: no energy is lost. Light sampling cannot find such rays.
     fn scatter(&self, path: &mut Path<'_>, bounce: u32, u: Vec2) -> Option<Ray> {
         let surface = &path.vertex.surface;
         let sampled = match path.estimates {

@@ -31,7 +31,7 @@ impl Renderer {
         let variant = TracerVariant { tracer: kind, ..self.gpu_scene.variant() };
         self.bvh.update(&pose.instances);
 
-        // Make what the change replaces. What a part was made of tells whether it stays.
+        // Make what the change replaces. A part stays if its inputs do.
         let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
         let shared = SharedDescription::of(variant, &self.scene, settings);
         let passes = self.remade(shared)?;

@@ -1,4 +1,4 @@
-//! `indirect_shadows`: each texel of the set buffers samples a few VPLs of the set, by what they would bring, and casts
+//! `indirect_shadows`: each texel of the set buffers samples a few VPLs of the set, by their unoccluded light, and casts
 //! an occlusion ray to each.
 
 use std::sync::Arc;

@@ -150,7 +150,7 @@ impl Sky {
         let (direction, density) = environment.sample(u).unwrap_or_else(uniform);
         let weight =
             environment.radiance(direction) / (environment.mean() * (4.0 * std::f32::consts::PI * density));
-        // A colour that the environment lacks brings nothing.
+        // A colour that the environment lacks has no flux.
         let weight = Vec3::select(weight.is_finite_mask(), weight, Vec3::ZERO);
         (environment.uv_of(direction), weight)
     }

@@ -6,7 +6,7 @@
 //! - `vpl_manager`: the manager itself, which owns the slots.
 //! - `quota`, `assignment`: paths per light; slots per path and bounce.
 //! - `emitter`, `focus`: emission sampling.
-//! - `placement`, `importance`: the choice among several candidates for a slot, by what a VPL brings to the picture.
+//! - `placement`, `importance`: the choice among several candidates for a slot, by their light in the picture.
 //! - `changes`: compares the world with the last frame; `invalidate`, `slot_test`: algorithm 2; `replace`, `shoot`: algorithm 3.
 //! - `glossy_lobe`: the GGX lobe of VPLs on glossy surfaces.
 //! - `upload`: the VPLs of a set for the shaders.
