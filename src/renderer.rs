@@ -185,7 +185,7 @@ impl Renderer {
     /// already.
     ///
     /// # Errors
-    /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
+    /// Where the device fails. The frame's work is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let pose = &*self.lit(pose)?;
         let clock = self.clock.next(pose, &self.clock_inputs());

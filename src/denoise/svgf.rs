@@ -210,7 +210,7 @@ impl Svgf {
         Ok(())
     }
 
-    /// Filters it, from image to image. What becomes history goes there instead.
+    /// Filters the signal, from image to image. The level that feeds back writes the history.
     fn blur(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
         let SvgfSettings { levels, feedback, .. } = self.settings;
         if levels == 0 {

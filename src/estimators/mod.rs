@@ -70,7 +70,7 @@ pub trait Estimator: Any + Send {
         true
     }
 
-    /// The work of a frame on the CPU, while the device draws the frame before. What it samples in a still frame follows from the
+    /// The work of a frame on the CPU, while the device draws the frame before. Samples of a still frame follow from the
     /// number of that alone. Gives the milliseconds of each CPU pass.
     fn update(&mut self, _world: World<'_>, _clock: &FrameClock) -> Vec<f64> {
         Vec::new()

@@ -1,5 +1,5 @@
 //! `still`: progressive accumulation. A still scene converges to the reference: the mean of raw radiance, before all denoisers and with
-//! the jitter of antialiasing, over all frames in which nothing changes. What that mean corrects in the denoised picture is filtered as far
+//! the jitter of antialiasing, over all frames in which nothing changes. The mean's difference from the denoised picture is filtered as far
 //! as its variance asks for, and so the picture goes over from the denoised one to the mean.
 //!
 //! In: everything that radiance is made of, as sampled; the denoised picture. Out: the picture. Frames that a pixel has no sample of

@@ -210,8 +210,8 @@ pub(super) struct ScatteredHit {
 }
 
 impl PosedLight {
-    /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero. Of a light with an
-    /// extent, what it would be if all of it lay where it is highest.
+    /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero. For a light with an
+    /// extent it is that of a light that lies where it would be highest.
     #[inline]
     fn weight(&self, p: Vec3, n: Vec3) -> f32 {
         match self {

@@ -1,6 +1,6 @@
-//! Presets: settings as a whole. Those of a thesis are true to it, where it says; where it does not, they are those of its sources.
+//! Presets: settings as a whole. A thesis's preset follows it, where it says; elsewhere it follows the thesis's sources.
 //!
-//! A preset sets all that decides how light is computed, and leaves what the picture is of: its size, exposure, seed and time step.
+//! A preset sets all that decides how light is computed, and leaves the picture's size, exposure, seed and time step.
 
 use super::value::choices;
 use super::{

@@ -193,7 +193,7 @@ fn a_light_that_jumps_is_shown_at_once() {
     }
     eprintln!("{stale} before, then {after_frames:?}");
     assert!(stale > 0.2, "{stale}");
-    // Without weights, three quarters of what is stale would be left after 4 frames, half after 8. What is left is noise: half of
+    // Without weights, three quarters of the stale light would be left after 4 frames, half after 8. The rest is noise: half of
     // the slots are not yet shot after 4.
     assert!(after_frames[3] <= 0.4 * stale, "{after_frames:?}");
     assert!(after_frames[7] <= 0.15 * stale, "{after_frames:?}");

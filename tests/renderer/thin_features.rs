@@ -8,7 +8,7 @@ use super::support::{GpuFixture, indirect, luminance, plain, scene};
 
 const SIZE: [u32; 2] = [320, 180];
 
-/// The share of pixels that have less than a quarter of their light at the default settings. What their light is, every pixel
+/// The share of pixels that have less than a quarter of their light at the default settings. Their light is what every pixel
 /// gathers from all VPLs of `reference`.
 fn dark_share(reference: Settings) -> Option<f32> {
     let gpu = GpuFixture::open()?;
