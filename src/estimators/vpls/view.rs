@@ -73,11 +73,11 @@ pub enum PathStyle {
     /// The VPL's bounce.
     #[default]
     Bounce,
-    /// Flux.
+    /// Its flux.
     Flux,
     /// How many frames ago it was shot.
     Age,
-    /// Temporal set.
+    /// Its temporal set.
     Set,
     /// Whether it lights something that the camera sees.
     Usefulness,
