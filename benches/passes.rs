@@ -1,4 +1,4 @@
-//! Each pass alone, by its timer, while the world stands still and while it moves: with the default settings, and with those
+//! Each pass alone, by its timer, in a stationary and in a moving world: with the default settings, and with those
 //! that are there to be faster or slower.
 
 #![allow(missing_docs, reason = "criterion's macros make functions without")]

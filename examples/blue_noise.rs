@@ -11,9 +11,9 @@ use std::process::ExitCode;
 const SIDE: usize = 64;
 const FRAMES: usize = 32;
 const TEXELS: usize = SIDE * SIDE * FRAMES;
-/// Of the Gaussian by which texels repel each other, texels or frames.
+/// Standard deviation of the Gaussian by which texels repel each other, texels or frames.
 const SIGMA: f32 = 1.9;
-/// Beyond so many of them nothing does.
+/// Distance beyond which no texel repels another.
 const REACH: isize = 9;
 /// Share of the texels that the first pattern holds.
 const FIRST: usize = TEXELS / 10;
@@ -103,7 +103,7 @@ fn ranks(seed: u64) -> Vec<usize> {
     let mut pattern = Pattern::new(seed);
     pattern.relax();
     let mut ranks = vec![0; TEXELS];
-    // Those of the first pattern, from the last to the first.
+    // Rank the texels of the first pattern, from the last to the first.
     let (marked, energy) = (pattern.marked.clone(), pattern.energy.clone());
     for rank in (0..FIRST).rev() {
         let place = pattern.tightest_cluster();

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pose = scene.pose(0.0);
     let default = Settings { size: SIZE, still_frames: 0, ..Settings::default() };
 
-    // The truth, by as many bounces.
+    // The reference, with as many bounces.
     let tracer = Reference::new(&scene, &pose, &ReferenceSettings::like(&default));
     let mut film = tracer.film()?;
     for _ in 0..SAMPLES {

@@ -39,7 +39,7 @@ pub struct Bsdf {
     pub roughness: f32,
     /// Reflectance of the dielectric's GGX lobe at normal incidence.
     pub f0: Vec3,
-    /// The same at grazing incidence; 0, with an `f0` of 0: no such lobe.
+    /// Reflectance at grazing incidence; 0, with an `f0` of 0: no such lobe.
     pub f90: f32,
 }
 
@@ -74,7 +74,7 @@ pub struct Reflection {
     shares: Shares,
 }
 
-/// What a surface makes of light, seen from one direction.
+/// Directional albedos of a surface, seen from one direction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shares {
     /// Directional albedo of the Lambertian lobe.
@@ -117,7 +117,7 @@ impl Bsdf {
         self.roughness * self.roughness
     }
 
-    /// What it makes of light, seen at this cosine between normal and eye.
+    /// The directional albedos at this cosine between normal and eye.
     fn shares(&self, cosine: f32) -> Shares {
         let diffuse = self.base * (1.0 - self.metallic);
         if !self.reflects() {
@@ -153,7 +153,7 @@ impl Bsdf {
         mean_reflected(self.f0, self.f90, self.roughness).lerp(metal, self.metallic)
     }
 
-    /// What the Lambertian lobe reflects over the base colour, averaged likewise.
+    /// Mean albedo of the Lambertian lobe over the base colour.
     pub fn mean_diffuse_share(&self) -> f32 {
         let over = mean_reflected(self.f0, self.f90, self.roughness).max_element();
         (1.0 - self.metallic) * (1.0 - over)
@@ -176,7 +176,7 @@ impl Bsdf {
     }
 
     /// This BSDF at a surface with shading normal `normal`, seen from `to_eye` (unit vectors).
-    pub fn seen(&self, normal: Vec3, to_eye: Vec3) -> Reflection {
+    pub fn prepare(&self, normal: Vec3, to_eye: Vec3) -> Reflection {
         let cosine = normal.dot(to_eye);
         // A shading normal that faces away is bent until it does not.
         let normal = if cosine < GRAZING {
@@ -200,7 +200,7 @@ impl Reflection {
         self.bsdf.reflects()
     }
 
-    /// Directional albedo of the Lambertian lobe: what it makes of irradiance, times pi.
+    /// Directional albedo of the Lambertian lobe: pi times its BSDF.
     pub fn diffuse_albedo(&self) -> Vec3 {
         self.shares.diffuse
     }

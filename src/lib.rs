@@ -35,7 +35,7 @@
 //! Modules, from the bottom up (imports run downwards only):
 //!
 //! - [`settings`]: every knob, one struct.
-//! - [`scene`]: what the world is: meshes, materials, lights, camera, animation.
+//! - [`scene`]: the world: meshes, materials, lights, camera, animation.
 //! - [`bsdf`]: how surfaces reflect light.
 //! - [`bvh`]: the two-level BVH over obvhs, on the CPU and in the layout that shaders read.
 //! - [`builtin`]: scenes made by code.

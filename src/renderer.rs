@@ -80,31 +80,31 @@ pub enum RenderError {
 /// Draws a scene, frame by frame.
 pub struct Renderer {
     scene: Arc<Scene>,
-    /// As they were given.
+    /// The settings as given.
     settings: Settings,
-    /// With the choices made that these leave.
+    /// The settings with the choices made that those leave.
     resolved: Settings,
     view: DebugView,
     bvh: TwoLevelBvh,
-    /// Of the scene's bounding sphere, world units.
-    /// What positions in here are relative to.
+    /// Origin of positions in here, world units.
     anchor: Vec3,
+    /// Radius of the scene's bounding sphere, world units.
     radius: f32,
     bvh_ms: f64,
-    /// Of the last frame.
+    /// Uniforms of the last frame.
     uniforms: Option<FrameUniforms>,
     /// World to clip space in the last frame, without jitter.
     unjittered: Option<Mat4>,
     pending: VecDeque<Pending>,
     reports: Vec<FrameReport>,
     clock: Clock,
-    /// Of [`FrameReport::still`], in the last frame.
+    /// [`FrameReport::still`] of the last frame.
     still: u32,
     /// Whether a frozen picture is to be shown otherwise.
     redraws: bool,
     /// See [`Self::drawn_frame`].
     drawn_frame: u64,
-    /// Those that the renderers drew whose place it took.
+    /// Frames of the renderers whose place this one took.
     frames_before: u64,
 
     gpu_scene: GpuScene,
@@ -128,7 +128,7 @@ impl Renderer {
         Self::with_scene(device, PreparedScene::new(scene), settings, pose)
     }
 
-    /// The same for a scene that was prepared beforehand.
+    /// A renderer for a scene that was prepared beforehand.
     pub fn with_scene(
         device: &Arc<Device>,
         prepared: PreparedScene,
@@ -185,7 +185,7 @@ impl Renderer {
     /// already.
     ///
     /// # Errors
-    /// Where the device fails. What the frame was to bring there is lost then, and only another renderer can go on.
+    /// Where the device fails. The frame's work is lost then, and only another renderer can go on.
     pub fn render(&mut self, pose: &Pose) -> Result<(), RenderError> {
         let pose = &*self.lit(pose)?;
         let clock = self.clock.next(pose, &self.clock_inputs());
@@ -368,7 +368,7 @@ impl Renderer {
 
 impl Drop for Renderer {
     fn drop(&mut self) {
-        // What the passes own may still be in use by a frame in flight.
+        // A frame in flight may still use the images of the passes.
         let _ = self.device.wait_idle();
     }
 }

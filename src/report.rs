@@ -10,9 +10,9 @@ use crate::vulkan::DeviceInfo;
 /// A row among the times of a frame: a pass, whose name is that of its timer, label and shader, or a stage of several passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassInfo {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its colour in plots, sRGB.
+    /// Colour in plots, sRGB.
     pub colour: [u8; 3],
     /// The stage that it is a part of, whose time is the sum of its parts and which stands before them.
     pub stage: Option<&'static str>,
@@ -98,7 +98,7 @@ pub struct FrameReport {
     pub frame: u64,
     /// Frames in which nothing has changed whose mean the picture goes over to, with this one; 0 while anything changes.
     pub still: u32,
-    /// Its measurements.
+    /// Measurements.
     #[serde(flatten)]
     pub figures: FrameFigures,
 }
@@ -129,7 +129,7 @@ pub enum RayTracer {
     Hardware,
 }
 
-/// What was made of the settings that leave a choice. Flat in reports.
+/// Values chosen for the settings that leave a choice. Flat in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Resolved {
     /// The ray tracer.
@@ -156,7 +156,7 @@ pub struct RenderReport {
     pub device: String,
     /// Name and version of its driver.
     pub driver: String,
-    /// What was used.
+    /// The values in use.
     #[serde(flatten)]
     pub resolved: Resolved,
     /// The settings as they were given.
@@ -168,7 +168,7 @@ pub struct RenderReport {
     pub load: LoadTimes,
     /// Most device memory in use at once, bytes.
     pub device_memory: u64,
-    /// From one frame to the next, median over those after the first two, milliseconds; none if there are none.
+    /// Time from one frame to the next, median over those after the first two, milliseconds; none if there are none.
     pub interval_ms: Option<f64>,
     /// Every frame, in order.
     pub frames: Vec<FrameReport>,
@@ -201,13 +201,13 @@ impl RenderReport {
         }
     }
 
-    /// The same with the most device memory in use at once, bytes.
+    /// This report with the most device memory in use at once, bytes.
     #[must_use]
     pub fn with_device_memory(self, device_memory: u64) -> Self {
         Self { device_memory, ..self }
     }
 
-    /// The same with the time from one frame to the next.
+    /// This report with the time from one frame to the next.
     #[must_use]
     pub fn with_interval(self, interval_ms: Option<f64>) -> Self {
         Self { interval_ms, ..self }

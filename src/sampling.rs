@@ -112,7 +112,7 @@ pub enum SpotFalloff {
 }
 
 impl SpotFalloff {
-    /// Its mean over t.
+    /// Mean over t.
     pub fn mean(self) -> f64 {
         if self == Self::Smooth { 0.5 } else { 1.0 / 3.0 }
     }
@@ -186,7 +186,7 @@ fn inverse_falloff(mass: f64) -> f64 {
 pub(crate) struct Frame {
     tangent: Vec3,
     bitangent: Vec3,
-    /// Its z axis.
+    /// Z axis.
     pub(crate) normal: Vec3,
 }
 
@@ -210,12 +210,12 @@ impl Frame {
         Self { tangent, bitangent: normal.cross(tangent), normal }
     }
 
-    /// From the world to this frame.
+    /// Transforms a vector from the world to this frame.
     pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
         Vec3::new(self.tangent.dot(v), self.bitangent.dot(v), self.normal.dot(v))
     }
 
-    /// From this frame to the world.
+    /// Transforms a vector from this frame to the world.
     pub(crate) fn to_world(self, v: Vec3) -> Vec3 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }

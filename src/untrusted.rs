@@ -42,7 +42,7 @@ pub(crate) fn printable(text: &str) -> String {
     shown
 }
 
-/// The same in one line.
+/// The text in one line, with control characters as escapes.
 pub(crate) fn one_line(text: &str) -> String {
     printable(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
@@ -61,7 +61,7 @@ pub(crate) fn unicode_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
     }
 }
 
-/// The same, or Latin-1, as old exporters write it.
+/// Text in UTF-8 or UTF-16, or in Latin-1, as old exporters write it.
 pub(crate) fn text_of(bytes: &[u8]) -> Cow<'_, str> {
     unicode_of(bytes).unwrap_or_else(|| bytes.iter().map(|&byte| byte as char).collect::<String>().into())
 }

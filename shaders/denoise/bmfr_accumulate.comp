@@ -73,7 +73,7 @@ void main() {
         }
         if (weights > 0.0) then /= weights;
     }
-    // What is not a number never reaches the history.
+    // NaN and infinity never reach the history.
     if (!is_finite(now.rgb)) now.rgb = then.rgb;
     else if (!SECOND && then.a > 0.0) now.rgb = without_firefly(now.rgb, texel, taps.first + taps.side / 2);
     float frames = SECOND ? now.a : min(round(then.a) + 1.0, MOST_FRAMES);

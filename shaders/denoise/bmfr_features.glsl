@@ -1,10 +1,10 @@
-// The features of a texel: products of what is known of its surface. Twin: src/settings/bmfr_features.rs. Needs gbuffer.glsl and
+// The features of a texel: products of attributes of its surface. Twin: src/settings/bmfr_features.rs. Needs gbuffer.glsl and
 // FEATURES.
 
 // Codes of three factors a feature, 5 bits each: see `factor_of`; of two features a word.
 layout(set = 0, binding = 7, std140) uniform FeatureBlock { uvec4 codes[8]; } features;
 
-// What is known of a surface. Positions and distance are from -1 to 1 in the block, so that products of them stay well-conditioned;
+// The features' inputs at a surface. Positions and distance are from -1 to 1 in the block, so that products of them stay well-conditioned;
 // what they span together with the constant is the same.
 struct FeatureInputs {
     vec3 normal;

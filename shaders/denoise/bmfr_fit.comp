@@ -10,7 +10,7 @@
 
 layout(local_size_x = 256) in;
 
-// Of the matrix, columns but for the three of the signal.
+// Columns of the matrix, without the three of the signal.
 layout(constant_id = 0) const uint FEATURES = 10u;
 
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;

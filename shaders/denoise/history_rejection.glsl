@@ -1,4 +1,4 @@
-// What the last frames of SVGF's history say, over the 5x5 texels around a place. Needs svgf.glsl and `last_moments`.
+// Statistics of SVGF's history over the 5x5 texels around a place: of all frames and of the last few. Needs svgf.glsl and `last_moments`.
 
 struct Recent {
     float mean;      // of the history's luminance
@@ -29,7 +29,7 @@ Recent recent_at(ivec2 place) {
     return Recent(sum.mean / count, sqrt(sum.deviation / count), sum.change / count, sum.texels);
 }
 
-// What rounding makes of the change, as a share of the mean.
+// Error of the change by rounding, as a share of the mean.
 const float ROUNDING = 0.02;
 // Rare bright samples come in heaps, but never go so: the rarer they are, by deviation over mean, the more proof light that comes
 // needs.

@@ -1,4 +1,4 @@
-// What the passes of SVGF share. Needs frame.glsl, gbuffer.glsl and visible_surface.glsl.
+// Images that the passes of SVGF share. Needs frame.glsl, gbuffer.glsl and visible_surface.glsl.
 //
 // Images of a signal, rgba16f. Light: rgb: the signal, without the albedo of the surface; a: its standard deviation, of luminance,
 // which unlike the variance keeps its precision in half floats. Moments: r: mean luminance; g: standard deviation, frame by frame;
@@ -24,7 +24,7 @@ float filter_radius(float share, float widest) { return widest == 0.0 ? 1e6 : sh
 // The weight of taps that are `ring` taps away, where the filter has a radius of `radius` taps.
 float kernel_falloff(int ring, float radius) { return clamp(radius - float(ring) + 1.0, 0.0, 1.0); }
 
-// Reinhard's curve (2002) and its inverse: what is bright counts less in a mean, so less of it flickers, and the mean is darker.
+// Reinhard's curve (2002) and its inverse: bright samples count less in a mean, so fewer of them flicker, and the mean is darker.
 vec3 compressed(vec3 light) { return light / (1.0 + luminance(light)); }
 
 vec3 expanded(vec3 light) { return light / max(1.0 - luminance(light), 1.0 / 2048.0); }

@@ -78,7 +78,7 @@ void accumulate(ivec2 pixel, vec3 now, vec3 counted, History then) {
     float moments_alpha = max(push.least_moments_alpha, 1.0 / frames);
     float now_luminance = luminance(now);
     float mean = then.moments.x + (now_luminance - then.moments.x) * moments_alpha;
-    // Of both together: the variance of each, and that of their means.
+    // The variance of history and frame together: each one's own, and that between their means.
     float between = (now_luminance - then.moments.x) * (now_luminance - then.moments.x);
     float variance = (1.0 - moments_alpha) * (then.moments.y * then.moments.y + moments_alpha * between);
     float deviation = sqrt(variance);

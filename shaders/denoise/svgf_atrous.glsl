@@ -74,7 +74,7 @@ void main() {
             VisibleSurface other = surface_of_pixel(at);
             if (other.depth == 0.0) continue;
             vec4 tap = imageLoad(light, at);
-            // Of both pixels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
+            // The tolerance takes both pixels alike: by the centre's alone, a bright noisy pixel would take more darkness than it gives light.
             float tolerance = push.luminance_tolerance * 0.5 * (deviation + tap.a) + 1e-6;
             float distance = float(step) * length(vec2(x, y));
             float off = plane_distance(here.position, here.geometric, centre.depth, at, other.depth);

@@ -9,7 +9,7 @@
 #include "svgf_accumulation.glsl"
 #include "history_rejection.glsl"
 
-// Of the eight pixels around, in this frame.
+// Luminance of the brightest of the eight pixels around, in this frame.
 float brightest_around(ivec2 pixel) {
     float brightest = 0.0;
     for (int i = 0; i < 9; i++) {
@@ -41,7 +41,7 @@ void main() {
     }
     History then = History(vec3(0.0), vec4(0.0));
     if (push.has_history == 1u) then = history_at(pixel);
-    // What is not a number never reaches the history.
+    // NaN and infinity never reach the history.
     if (!is_finite(now)) now = then.light;
     vec3 counted = now;
     if ((push.rejection > 0.0 || push.brightest > 0.0) && then.moments.z > 0.0) {

@@ -15,7 +15,7 @@ layout(set = 0, binding = 1, rgba16f) uniform writeonly image2D prefiltered_envi
 
 const uint SAMPLES = 1024u;
 
-// Of the Hammersley set.
+// Point i of the Hammersley set.
 vec2 sample_of(uint i) { return vec2((float(i) + 0.5) / float(SAMPLES), float(bitfieldReverse(i) >> 8u) * exp2(-24.0)); }
 
 void main() {

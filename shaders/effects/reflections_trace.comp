@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// What the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
+// Radiance that the GGX lobe of each pixel mirrors: one path by the visible normals of GGX, which goes on from glossy hits. Out: radiance over
 // the lobe's directional albedo; a: how wide a blur is of use; at most one hit of each path that the estimator is to light; and for
 // the denoiser what is seen and where it was in the last frame: in smooth surfaces the mirror image of the hit, elsewhere the surface.
-// A thin surface before it is treated likewise, in its place or, by chance, beside it; its irradiance is that of a hit.
+// A thin surface before it is sampled in its place or, by chance, beside it; its irradiance is that of a hit.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"
@@ -30,13 +30,13 @@ layout(set = 0, binding = 6) uniform utexture2D gbuffer_surface;
 #include "environment.glsl"
 #include "visible_surface.glsl"
 #include "hit_record.glsl"
-// Of the estimator.
+// Irradiance by the estimator, W/m^2.
 layout(set = 0, binding = 7) uniform texture2D irradiance;
 layout(set = 0, binding = 12, rgba16f) uniform readonly image2D reprojected;
 layout(set = 0, binding = 13, rgba16f) uniform writeonly image2D reflection;
 layout(set = 0, binding = 14, rgba32ui) uniform writeonly uimage2D hit_place;
 layout(set = 0, binding = 15, rgba16f) uniform writeonly image2D hit_weight;
-// What is seen in the reflection, as the G-buffer has it, and as denoisers keep it.
+// The surface that is seen in the reflection, as the G-buffer has it, and as denoisers keep it.
 layout(set = 0, binding = 16, r32f) uniform writeonly image2D image_depth;
 layout(set = 0, binding = 17, rgba16f) uniform writeonly image2D image_normal;
 layout(set = 0, binding = 35, rgba16ui) uniform readonly uimage2D last_image_surface;
@@ -45,7 +45,7 @@ layout(set = 0, binding = 37, rgba16f) uniform writeonly image2D image_reproject
 layout(set = 0, binding = 41, r32ui) uniform readonly uimage2D last_image_instance;
 layout(set = 0, binding = 42, r32ui) uniform writeonly uimage2D image_instance;
 
-// Of thin surfaces: see thin_surfaces.comp.
+// Images of thin_surfaces.comp.
 layout(set = 0, binding = 38, rgba16f) uniform readonly image2D thin_mirrored;
 layout(set = 0, binding = 39, rgba16f) uniform readonly image2D thin_transmittance;
 
@@ -86,7 +86,7 @@ const float IMAGE_BLUR = 3.0;
 const float LOBE_WIDTH = 4.0;
 // No instance plus one: indices have at most 24 bits, by Vulkan's limit.
 const uint NO_INSTANCE = 0xffffffffu;
-// What depths of a blurred mirror's surface may differ by, as it is seen where its image was.
+// Relative difference of depths up to which a blurred mirror's surface is found again, where its image was.
 const float MIRROR_TOLERANCE = 0.1;
 
 // A path with what it has gathered, over the directional albedo of the visible surface's lobe.
@@ -140,7 +140,7 @@ void shade(inout Path path, HitSurface hit, ShadingPoint at, uint instance, vec3
     }
 }
 
-// What the GGX lobe reflects of one of the lights from `first` on that rays do not meet.
+// Radiance that the GGX lobe reflects of one of the lights from `first` on that rays do not meet.
 vec3 invisible_light(ShadingPoint at, uint first, ivec2 pixel, uint dimension) {
     // Without these, visible ones send nothing.
     at.diffuse = vec3(0.0);
@@ -199,7 +199,7 @@ Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, uint first_light, 
         at.reflection = prepare_bsdf(surface.bsdf, surface.shading, -sampled.direction);
         at.diffuse = at.reflection.diffuse;
         bool goes_on = SPLIT_SUM == 0u && at.is_glossy && depth + 1u < DEPTH && reflection_weight(surface.bsdf.roughness) > 0.5;
-        // What the path goes on to see of area lights it counts there.
+        // Area lights that the path goes on to meet count there.
         at.gloss_of_areas = goes_on ? 0.0 : 1.0;
         vec3 albedo = at.diffuse;
         if (SPLIT_SUM == 1u && at.is_glossy) {
@@ -226,8 +226,8 @@ bool is_flat(ivec2 pixel, vec3 normal) {
     return true;
 }
 
-// What is seen in the reflection.
-struct SeenImage {
+// The surface that is seen in the reflection.
+struct MirrorImage {
     vec3 position; // of the mirror image
     float depth;
     vec3 shading;
@@ -235,10 +235,10 @@ struct SeenImage {
     uint instance; // plus one
 };
 
-SeenImage image_of(Surface mirror, FirstHit hit) {
+MirrorImage image_of(Surface mirror, FirstHit hit) {
     vec3 along = mirror.position - frame.eye.xyz;
     float stretch = 1.0 + hit.distance / length(along);
-    SeenImage image = SeenImage(frame.eye.xyz + along * stretch, mirror.depth * stretch, -normalize(along), -normalize(along), NO_INSTANCE);
+    MirrorImage image = MirrorImage(frame.eye.xyz + along * stretch, mirror.depth * stretch, -normalize(along), -normalize(along), NO_INSTANCE);
     if (hit.met) {
         image.shading = reflect(hit.shading, mirror.shading);
         image.geometric = reflect(hit.geometric, mirror.shading);
@@ -253,7 +253,7 @@ uint last_instance_at(ivec2 texel) { return imageLoad(last_image_instance, texel
 #include "reprojected_surface.glsl"
 
 // Where the mirror image was in the last frame, and which texels showed it there, or if it is blurred, its mirror: as `reprojected`.
-vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool is_sharp, SeenImage shown) {
+vec4 image_then(ivec2 pixel, Surface mirror, MirrorImage image, FirstHit hit, bool is_sharp, MirrorImage shown) {
     vec3 then = image.position;
     if (hit.met) {
         InstanceData data = instances.data[hit.instance];
@@ -272,15 +272,15 @@ vec4 image_then(ivec2 pixel, Surface mirror, SeenImage image, FirstHit hit, bool
     return vec4(motion, masks);
 }
 
-// How wide a blur is of use, as a share of the widest: what the lobe blurs anyway, and a little where light at the hit is noisy.
+// How wide a blur is of use, as a share of the widest: the width of the lobe, and a little where light at the hit is noisy.
 float blur_of(Surface mirror, float alpha, FirstHit hit, bool noisy_light) {
     float seen_from = distance(mirror.position, frame.eye.xyz);
     float lobe = LOBE_WIDTH * alpha * hit.distance / ((hit.distance + seen_from) * push.spread);
     return clamp(max(lobe, noisy_light ? IMAGE_BLUR : 0.0) / WIDEST, 0.0, 1.0);
 }
 
-// Where a path begins, and what the denoiser is told of.
-struct Seen {
+// The surface where a reflection path begins, as the denoiser sees it.
+struct ReflectingSurface {
     ShadingPoint at;
     float roughness;
     uint instance;
@@ -288,7 +288,7 @@ struct Seen {
 };
 
 // The first thin surface of a pixel, and the path that begins there, as a share of its albedo; the rest is for irradiance.
-bool thin_surface_at(ivec2 pixel, out Seen seen, out Path path) {
+bool thin_surface_at(ivec2 pixel, out ReflectingSurface reflector, out Path path) {
     path = new_path();
     vec3 direction = pixel_ray(vec2(pixel));
     float start = push.near;
@@ -296,10 +296,10 @@ bool thin_surface_at(ivec2 pixel, out Seen seen, out Path path) {
     HitSurface met;
     if (!next_thin_surface(direction, start, FAR, push.spread, hit, met)) return false;
     Reflection reflection = prepare_bsdf(met.bsdf, met.shading, -normalize(direction));
-    seen.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
-    seen.roughness = met.bsdf.roughness;
-    seen.instance = hit.instance + 1u;
-    seen.mirrors = true;
+    reflector.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
+    reflector.roughness = met.bsdf.roughness;
+    reflector.instance = hit.instance + 1u;
+    reflector.mirrors = true;
     vec3 all = max(reflection.diffuse + reflection.reflected, vec3(1e-6));
     path.throughput = reflection.reflected * reflection_weight(met.bsdf.roughness) / all;
     vec3 weight = (vec3(1.0) - path.throughput) / PI;
@@ -312,27 +312,27 @@ void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
     uvec2 id = texelFetch(gbuffer_instance, pixel, 0).xy;
-    Seen seen;
-    seen.at.surface = surface_at(pixel);
-    seen.roughness = imageLoad(gbuffer_albedo, pixel).a;
-    seen.instance = id.x;
-    seen.mirrors = id.x != 0u && reflection_weight(seen.roughness) > 0.0;
-    if (seen.mirrors) {
-        seen.at = shading_point_at(pixel, id);
-        seen.mirrors = seen.at.is_glossy;
+    ReflectingSurface reflector;
+    reflector.at.surface = surface_at(pixel);
+    reflector.roughness = imageLoad(gbuffer_albedo, pixel).a;
+    reflector.instance = id.x;
+    reflector.mirrors = id.x != 0u && reflection_weight(reflector.roughness) > 0.0;
+    if (reflector.mirrors) {
+        reflector.at = shading_point_at(pixel, id);
+        reflector.mirrors = reflector.at.is_glossy;
     }
     vec4 then = imageLoad(reprojected, pixel);
     Path path = new_path();
-    ShadingPoint begins = seen.at;
+    ShadingPoint begins = reflector.at;
     vec3 scale = vec3(1.0);
     uint first_light = frame.direct_lights;
     bool is_thin = false, is_traced = true;
     vec3 before = HAS_THIN_SURFACES ? imageLoad(thin_mirrored, pixel).rgb : vec3(0.0);
-    Seen thin;
+    ReflectingSurface thin;
     Path from_thin;
     if (before != vec3(0.0) && thin_surface_at(pixel, thin, from_thin)) {
         vec3 behind = vec3(0.0);
-        if (seen.mirrors) behind = seen.at.reflection.reflected * reflection_weight(seen.roughness) * imageLoad(thin_transmittance, pixel).rgb;
+        if (reflector.mirrors) behind = reflector.at.reflection.reflected * reflection_weight(reflector.roughness) * imageLoad(thin_transmittance, pixel).rgb;
         float share = luminance(before) / luminance(before + behind);
         bool begins_before = noise(pixel, 3u).y < share;
         scale = (begins_before ? before / share : behind / (1.0 - share)) / max(before + behind, vec3(1e-6));
@@ -343,24 +343,24 @@ void main() {
         }
         is_thin = share >= 0.5;
         is_traced = is_thin == begins_before;
-        if (is_thin) seen = thin;
+        if (is_thin) reflector = thin;
     }
 
     vec4 result = vec4(0.0);
-    Surface surface = seen.at.surface;
-    SeenImage image = SeenImage(surface.position, surface.depth, surface.shading, surface.geometric, seen.instance);
-    if (seen.mirrors) {
+    Surface surface = reflector.at.surface;
+    MirrorImage image = MirrorImage(surface.position, surface.depth, surface.shading, surface.geometric, reflector.instance);
+    if (reflector.mirrors) {
         FirstHit first;
         path = trace_path(pixel, path, begins, first_light, first);
         path.record.weight *= scale;
-        // What another surface than the one that is seen mirrors says nothing of its image.
+        // The reflection by another surface than the visible one says nothing of the image in it.
         if (!is_traced) first = FirstHit(false, 0u, 0.0, vec3(0.0), vec3(0.0), vec3(0.0));
-        float blur = blur_of(surface, seen.at.reflection.alpha, first, path.record.weight != vec3(0.0));
+        float blur = blur_of(surface, reflector.at.reflection.alpha, first, path.record.weight != vec3(0.0));
         result = vec4(min(path.radiance * scale, MOST_HALF), blur);
-        bool is_sharp = seen.roughness < IMAGE_ROUGHNESS && is_traced;
-        SeenImage mirrored = image_of(surface, first);
-        bool moves = seen.roughness < MOVING_ROUGHNESS && (is_thin || is_flat(pixel, surface.shading));
-        SeenImage moving = image;
+        bool is_sharp = reflector.roughness < IMAGE_ROUGHNESS && is_traced;
+        MirrorImage mirrored = image_of(surface, first);
+        bool moves = reflector.roughness < MOVING_ROUGHNESS && (is_thin || is_flat(pixel, surface.shading));
+        MirrorImage moving = image;
         if (is_sharp) image = mirrored;
         if (moves) moving = mirrored;
         else first.met = false;
@@ -370,11 +370,11 @@ void main() {
     imageStore(hit_place, pixel, pack_place(path.record));
     imageStore(hit_weight, pixel, pack_weight(path.record));
     // Where nothing is mirrored there is nothing to denoise.
-    float depth = seen.mirrors ? image.depth : 0.0;
+    float depth = reflector.mirrors ? image.depth : 0.0;
     imageStore(image_depth, pixel, vec4(depth));
     imageStore(image_normal, pixel, vec4(octahedral_encode(image.shading), octahedral_encode(image.geometric)));
     VisibleSurface packed = VisibleSurface(depth, image.shading);
-    imageStore(image_surface, pixel, seen.mirrors ? pack_surface(packed) : uvec4(0u));
+    imageStore(image_surface, pixel, reflector.mirrors ? pack_surface(packed) : uvec4(0u));
     imageStore(image_instance, pixel, uvec4(image.instance));
     imageStore(image_reprojected, pixel, then);
 }

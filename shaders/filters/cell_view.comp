@@ -70,7 +70,7 @@ vec3 cell_colour(ShownCell cell) {
     }
 }
 
-// The map itself, in rows: what share of a pixel's slots holds a cell.
+// The map itself, in rows: the share of a pixel's slots that hold a cell.
 vec3 occupancy(ivec2 pixel) {
     float slots = float(cell_keys.words.length());
     float scale = slots / (float(frame.size.x) * float(frame.size.y));

@@ -48,10 +48,10 @@ void insert(PathVertex vertex, vec3 light, bool is_visible, ivec2 pixel, uint k)
     }
 }
 
-// The irradiance of a vertex: by its cell, if the way to it is long enough, else `found` of it by the path.
-vec3 look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, vec3 found) {
-    // Where the path ends no other light is known.
-    if (CACHE && vertex.state == VERTEX_LIT && way < cell_width(vertex.position, false)) return found;
+// Irradiance of a vertex, W/m^2: the mean of its cell where the segment to it is long enough, else `found`, as the path has it.
+vec3 look_up(PathVertex vertex, float segment_length, ivec2 pixel, uint layer, vec3 found) {
+    // The last vertex of a path has no estimate but its cell.
+    if (CACHE && vertex.state == VERTEX_LIT && segment_length < cell_width(vertex.position, false)) return found;
     vec4 mean = read_cells(vertex.position, vertex.normal, false, pixel, layer, READS, CACHE);
     return mean.a > 0.0 ? mean.rgb : found;
 }
@@ -61,24 +61,24 @@ vec3 look_up(PathVertex vertex, float way, ivec2 pixel, uint layer, vec3 found) 
 void insert_path(ivec2 pixel, uint first) {
     uint count = 0u;
     for (uint state = VERTEX_LIT; count < VERTICES && state == VERTEX_LIT; count++) state = imageLoad(path_places, ivec3(pixel, first + count)).w >> 30;
-    vec3 behind = vec3(0.0);
+    vec3 incoming = vec3(0.0);
     for (uint i = count; i-- > 0u;) {
         uint layer = first + i;
         PathVertex vertex = vertex_at(pixel, layer);
         if (vertex.state == VERTEX_ABSENT) continue;
         if (vertex.state == VERTEX_LIT) {
-            vertex.light += vertex.next * behind;
+            vertex.light += vertex.next * incoming;
             if (i >= FIRST && i <= LAST) insert(vertex, vertex.light, i == 0u, pixel, layer);
             imageStore(path_lights, ivec3(pixel, layer), uvec4(pack_light(vertex), 0u, 0u));
-            behind = vertex.light;
+            incoming = vertex.light;
         }
         if (i == 0u) return;
-        float way = distance(vertex.position, vertex_at(pixel, layer - 1u).position);
-        behind = look_up(vertex, way, pixel, layer, behind);
+        float segment_length = distance(vertex.position, vertex_at(pixel, layer - 1u).position);
+        incoming = look_up(vertex, segment_length, pixel, layer, incoming);
     }
 }
 
-// Of paths that the next frame goes on with, by their vertices; a subgroup adds once.
+// Counts the paths that the next frame goes on with, by their vertices; a subgroup adds once.
 void count_kept(uint vertices) {
     for (uint i = 1u; i <= MOST_DEPTH; i++) {
         uint kept = subgroupAdd(vertices == i ? 1u : 0u);
@@ -90,9 +90,9 @@ void count_kept(uint vertices) {
 void insert_continued(ivec2 pixel, uint layer) {
     PathVertex vertex = vertex_at(pixel, layer), next = vertex_at(pixel, layer + 1u);
     count_kept(imageLoad(path_depths, pixel).x);
-    vec3 behind = vec3(0.0);
-    if (next.state != VERTEX_ABSENT) behind = look_up(next, distance(vertex.position, next.position), pixel, layer + 1u, behind);
-    insert(vertex, vertex.light + vertex.next * behind, false, pixel, layer);
+    vec3 incoming = vec3(0.0);
+    if (next.state != VERTEX_ABSENT) incoming = look_up(next, distance(vertex.position, next.position), pixel, layer + 1u, incoming);
+    insert(vertex, vertex.light + vertex.next * incoming, false, pixel, layer);
 }
 
 void main() {

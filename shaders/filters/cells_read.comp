@@ -27,7 +27,7 @@ layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D filtered;
 
 const uint READS_VISIBLE = 16u;
 
-// Of each path insertion has left the irradiance by its own light and the cell of its second vertex.
+// The mean over the pixel's paths of the irradiance that cells_insert.comp has left: by the path's own light and its second vertex's cell.
 vec3 cached(ivec2 pixel) {
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < push.samples; i++) sum += unpack_emission(imageLoad(path_lights, ivec3(pixel, i * VERTICES)).x);

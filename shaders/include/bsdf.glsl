@@ -43,7 +43,7 @@ float schlick(float cosine) {
     return c * c * c * c * c;
 }
 
-// What GGX microfacets reflect of uniform light at the first try, for Fresnel reflectance 1 and for (1 - c)^5: polynomials
+// Albedo of GGX microfacets by single scattering of uniform light, for Fresnel reflectance 1 and for (1 - c)^5: polynomials
 // fitted to the integrals.
 vec2 single_scattering(float cosine, float r) {
     float alpha = r * r;

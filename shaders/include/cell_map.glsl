@@ -1,9 +1,9 @@
-// The map's buffers, and what inserts a sample and reads a cell. Define CELL_MAP_BINDING, the first of three, and include cells.glsl before.
+// The map's buffers, its insertion and lookup. Define CELL_MAP_BINDING, the first of three, and include cells.glsl before.
 // Twin: tests/device/cells.rs.
 
 // The verification of each slot; 0: free.
 layout(set = 0, binding = CELL_MAP_BINDING, std430) buffer CellKeyBlock { uint words[]; } cell_keys;
-// What this frame adds: SUM_WORDS a slot.
+// Sums of this frame's samples: SUM_WORDS a slot.
 layout(set = 0, binding = CELL_MAP_BINDING + 1, std430) buffer CellSumBlock { uint words[]; } cell_sums;
 // rgb: mean irradiance up to the last frame that was resolved; a: samples in it.
 layout(set = 0, binding = CELL_MAP_BINDING + 2, std430) buffer CellMeanBlock { vec4 data[]; } cell_means;
@@ -21,7 +21,7 @@ uint find_cell(CellKey key, uint probes) {
     return NO_SLOT;
 }
 
-// The same, or a free slot that becomes its own.
+// The slot of a cell, or a free one that becomes its own; NO_SLOT where there is neither.
 uint claim_cell(CellKey key, uint probes) {
     uint slot = find_cell(key, probes);
     if (slot != NO_SLOT) return slot;

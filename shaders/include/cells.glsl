@@ -2,7 +2,7 @@
 // normal, hashed twice, to the slot where probing begins and to the word that verifies it; sums by 32-bit atomics in fixed point, whose
 // result does not depend on their order. Twin: tests/device/cells.rs.
 
-// Of a slot's eight words: the low and the high words of red, green and blue, and the number of samples.
+// Words of a slot: the low and the high words of red, green and blue, and the number of samples.
 const uint SUM_WORDS = 8u;
 const uint SUM_HIGH = 3u;
 const uint SUM_COUNT = 6u;

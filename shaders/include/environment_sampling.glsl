@@ -4,7 +4,7 @@
 // Below 1, for what u leaves within a bin.
 const float BELOW_ONE = 1.0 - exp2(-24.0);
 
-// Of what the distribution is of, in units of the map's texels; 0 without a map, or where it is black.
+// The integral of the distribution, in units of the map's texels; 0 without a map, or where it is black.
 float environment_integral() {
     uint last = uint(environment_distribution.cumulative.length()) - 1u;
     return last > 0u ? environment_distribution.cumulative[last] : 0.0;

@@ -1,4 +1,4 @@
-// What of an image is seen, and how it is averaged: the same for raster and rays. The shorter axis of the footprint chooses the mip level,
+// Texels that a pixel or a ray's cone averages: the same for raster and rays. The shorter axis of the footprint chooses the mip level,
 // and texels are averaged along the longer one (anisotropic filtering). Samplers could, too, but each driver's blur is another, and rays
 // have none. Needs scene_set.glsl.
 

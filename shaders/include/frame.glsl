@@ -1,4 +1,4 @@
-// What every pass of a frame may want to know. Twin: FrameUniforms in src/gpu_scene/structs.rs.
+// Uniforms of the frame, for every pass. Twin: FrameUniforms in src/gpu_scene/structs.rs.
 
 struct FrameUniforms {
     mat4 view_projection;          // world to clip, reversed depth

@@ -2,7 +2,7 @@
 
 // Sum of what the materials need: see below.
 layout(constant_id = 0) const uint VARIANT = 0u;
-// An alpha mask. What cannot be discarded is compared by depth before it is shaded.
+// An alpha mask. Triangles without one are compared by depth before they are shaded.
 const bool MASKED = (VARIANT & 1u) != 0u;
 // More than one set of plain texture coordinates: normal maps, vertex colours, transformed coordinates. Then the normal is handed
 // over in object space, else in the world.

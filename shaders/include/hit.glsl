@@ -2,7 +2,7 @@
 #include "shading_normal.glsl"
 #include "textures.glsl"
 
-// What of a surface diffuse light needs.
+// A surface as diffuse light needs it.
 struct MeanSurface {
     vec3 position;
     vec3 normal;   // geometric, on the side that was hit
@@ -22,7 +22,7 @@ MeanSurface mean_surface_of(TracerHit hit, vec3 origin, vec3 direction) {
     return MeanSurface(origin + hit.t * direction, front ? normal : -normal, material.mean_albedo.rgb, emission);
 }
 
-// What of the scene a ray sees: a cone about it (Akenine-Moller et al. 2019).
+// The cone of directions about a ray that a pixel covers (Akenine-Moller et al. 2019).
 struct RayCone {
     float width;  // at the origin, world units
     float spread; // what it grows by over a distance of 1
@@ -53,7 +53,7 @@ vec4 along(Edges edges, vec3 area, vec3 vector) {
     return shares.x * edges.uvs_u + shares.y * edges.uvs_v;
 }
 
-// What a cone covers of a triangle, where it is so wide: its width across, longer the flatter it meets the surface.
+// The footprint of a cone on a triangle, where the cone is `width` wide: as wide across, longer along the ray the flatter it meets the surface.
 // `direction`: unit.
 Gradients footprint_of(Edges edges, vec3 area, vec3 normal, vec3 direction, float width) {
     float cosine = abs(dot(normal, direction));

@@ -1,6 +1,6 @@
-// One of all lights, area lights among them: chosen in proportion to about what it sends to the eye, unoccluded; then a
+// One of all lights, area lights among them: sampled in proportion to an estimate of its unoccluded radiance to the eye; then a
 // point of the light. Needs unshadowed.glsl and tracer.glsl.
-#include "choice.glsl"
+#include "reservoir.glsl"
 
 // A light; probability 0: none sends anything.
 struct ChosenLight {
@@ -11,16 +11,16 @@ struct ChosenLight {
 
 // One of the lights from `first` on.
 ChosenLight choose_light(ShadingPoint point, float pick, uint first, uint count) {
-    Choice choice = new_choice(pick);
+    Reservoir reservoir = new_reservoir(pick);
     vec3 all = vec3(0.0);
     // Where no surface is nothing is sampled.
     uint end = point.surface.depth > 0.0 ? first + count : first;
     for (uint i = first; i < end; i++) {
         vec3 radiance = unshadowed_radiance(i, point);
         all += radiance;
-        offer(choice, i, luminance(radiance));
+        update(reservoir, i, luminance(radiance));
     }
-    return ChosenLight(choice.kept, choice.sum > 0.0 ? choice.weight / choice.sum : 0.0, all);
+    return ChosenLight(reservoir.selected, reservoir.sum > 0.0 ? reservoir.weight / reservoir.sum : 0.0, all);
 }
 
 // One of those whose direct light is `direct`.
@@ -87,7 +87,7 @@ LightSample sample_light(uint index, ShadingPoint point, vec3 origin, vec2 u) {
     return result;
 }
 
-// What the light that was sampled sends to the eye, over the probability of having chosen it.
+// Radiance that the sampled light sends to the eye, over the probability of having chosen it.
 vec3 sampled_radiance(ShadingPoint point, ChosenLight chosen, LightSample light, vec3 origin) {
     float cosine = dot(point.surface.shading, light.to_light);
     bool faces = cosine > 0.0 && dot(point.surface.geometric, light.to_light) > 0.0;

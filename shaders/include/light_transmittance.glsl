@@ -1,6 +1,6 @@
 // Rays from surfaces to point, spot and directional lights. Needs lights.glsl and tracer.glsl.
 
-// What arrives of a light, 0 to 1; `to_light`: its direction from the surface.
+// Share of a light that reaches the surface, 0 to 1; `to_light`: its direction from the surface.
 vec3 light_transmittance(LightData light, Surface surface, vec3 to_light) {
     vec3 origin = ray_origin(surface);
     bool directional = light.kind == LIGHT_DIRECTIONAL;

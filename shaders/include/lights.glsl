@@ -28,7 +28,7 @@ vec3 unshadowed(LightData light, vec3 p, out vec3 to_light) {
     return light.power.rgb * falloff / squared;
 }
 
-// The same on the surface: 0 where it faces away.
+// Irradiance of the surface, unoccluded: 0 where it faces away.
 vec3 unshadowed_irradiance(LightData light, Surface surface, out vec3 to_light) {
     vec3 irradiance = unshadowed(light, surface.position, to_light);
     float cosine = dot(surface.shading, to_light);
@@ -36,11 +36,11 @@ vec3 unshadowed_irradiance(LightData light, Surface surface, out vec3 to_light) 
     return faces ? irradiance * cosine : vec3(0.0);
 }
 
-// Lights of which a texel of a layer of `direct_shadows` tells what arrives: a bit each or, where thin surfaces tint it, the colour of
+// Lights whose transmittance a texel of a layer of `direct_shadows` holds: a bit each or, where thin surfaces tint it, the colour of
 // one with 11, 11 and 10 bits. Twin: `lights_per_layer` in src/passes/direct_shadows.rs.
 const uint LIGHTS_PER_LAYER = HAS_THIN_SURFACES ? 1u : 32u;
 
-// What arrives of a light, 0 to 1, at its place in a texel.
+// Packs the share of a light that reaches a surface, 0 to 1, at the light's place in a texel.
 uint pack_transmittance(vec3 share, uint light) {
     if (!HAS_THIN_SURFACES) return uint(share != vec3(0.0)) << (light % LIGHTS_PER_LAYER);
     uvec3 steps = uvec3(round(clamp(share, 0.0, 1.0) * vec3(2047.0, 2047.0, 1023.0)));

@@ -31,7 +31,7 @@ vec2 noise_of(ivec2 pixel, uint frame_index, uint dimension) {
     // that the mean over many cycles is not one over those pairs that stand in the table.
     uvec2 place = pcg3d(uvec3(dimension, frame_index / NOISE_FRAMES, frame.seed)).xy;
     vec2 both = vec2(blue_byte(pixel, place >> 8u, frame_index, 0u), blue_byte(pixel, place >> 20u, frame_index, 1u));
-    // White noise fills the gaps between 256 values: what is rarer would never be chosen.
+    // White noise fills the gaps between 256 values: rarer events would never be sampled.
     return min((both + white) / 256.0, 1.0 - exp2(-24.0));
 }
 

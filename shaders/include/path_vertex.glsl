@@ -9,6 +9,6 @@ struct PathVertex {
 };
 
 const uint VERTEX_ABSENT = 0u;
-// Its light is not known.
+// A vertex that was found, but not lit.
 const uint VERTEX_UNLIT = 1u;
 const uint VERTEX_LIT = 2u;

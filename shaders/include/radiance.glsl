@@ -1,4 +1,4 @@
-// What a pixel sends to the eye: L = direct + albedo/pi * indirect irradiance + specular albedo * reflection. Where no reflection rays
+// Radiance of a pixel to the eye: L = direct + albedo/pi * indirect irradiance + specular albedo * reflection. Where no reflection rays
 // are traced, the GGX lobe gets the mean of the light above the surface, irradiance/pi: exact under uniform light, and no picture of
 // it. Thin surfaces before it let their share of that pass and add what they reflect. Needs frame.glsl. Twin: `Light` in
 // src/renderer/picture.rs.

@@ -12,7 +12,7 @@ vec4 rounded(vec4 light) {
     return uintBitsToFloat(bits + 0xfffu + (bits >> 13 & 1u) & 0xffffe000u);
 }
 
-// Light as images hold it: the nearest half float, none of them infinite. What is not a number becomes 0.
+// Light as images hold it: the nearest half float, none of them infinite. NaN becomes 0.
 vec4 storable(vec4 light) { return rounded(min(mix(light, vec4(0.0), isnan(light)), MOST_HALF)); }
 
 #endif

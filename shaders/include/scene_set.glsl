@@ -53,11 +53,11 @@ struct MaterialData {
 
 // Some of its vertices have colours.
 const uint COLOURED = 1u;
-// Its back does not show to the eye; all other rays meet both sides.
+// Raster culls its back; all other rays meet both sides.
 const uint SINGLE_SIDED = 2u;
-// Its back emits as its front does.
+// The back of the material emits as the front does.
 const uint EMITS_ON_BOTH_SIDES = 4u;
-// Its emission is multiplied with the vertices' colours.
+// Vertex colours multiply the material's emission.
 const uint UNLIT = 8u;
 
 bool emits_on(MaterialData material, bool front) { return front || (material.flags & EMITS_ON_BOTH_SIDES) != 0u; }
@@ -148,7 +148,7 @@ SCENE_BUFFER(11) EnvironmentBlock { float cumulative[]; } environment_distributi
 // Two channels of 8 bits, frame by frame, 64 x 64 texels each: two texels a word. See examples/blue_noise.rs.
 SCENE_BUFFER(12) BlueNoiseBlock { uint words[]; } blue_noise;
 
-// What every ray reads. Three words a triangle: corners with (id, masked, material).
+// The BVH, as every ray reads it. Three words a triangle: corners with (id, masked, material).
 layout(set = 1, binding = 13) uniform utextureBuffer bvh_triangles;
 // Two words a triangle with an alpha mask: three pairs of texture coordinates, then the mask (16 bits) and three alphas (half floats).
 SCENE_BUFFER(14) bvh_triangle_uvs_block { uvec4 words[]; } bvh_triangle_uvs;

@@ -20,7 +20,7 @@ const uint TRACER_NONE = 0xffffffffu;
 // In `masked`: the triangle is one of a thin surface, and the rest is its index.
 const uint TRACER_THIN = 0x80000000u;
 
-// What is wanted of a segment. Thin surfaces count as not there unless one is wanted.
+// The hit that a query looks for on a segment. Thin surfaces count as absent unless it looks for one.
 const uint TRACER_CLOSEST = 0u;
 const uint TRACER_ANY = 1u;
 const uint TRACER_CLOSEST_THIN = 2u;
@@ -67,7 +67,7 @@ ThinPoint thin_point(uint material, vec4 colour) {
     return ThinPoint(coverage, thin.passed.rgb * colour.rgb);
 }
 
-// What the thin surface lets pass where its coat reflects this share at most.
+// Transmittance of the thin surface where its coat reflects this share at most.
 vec3 transmittance_of(ThinPoint thin, vec3 reflected) {
     float most = max(reflected.r, max(reflected.g, reflected.b));
     return (1.0 - thin.coverage) + thin.passed * (thin.coverage * (1.0 - most));
@@ -82,7 +82,7 @@ vec4 tracer_thin_texel(GpuThinSurface thin, uint texel) {
     return decoded(unpackUnorm4x8(bvh_thin_texels.words[thin.first + texel]), format);
 }
 
-// What a triangle of a thin surface lets pass: its coat by the flat triangle and the mean of its textures. `world_to_object`: the rows.
+// Transmittance of a triangle of a thin surface: its coat by the flat triangle and the mean of its textures. `world_to_object`: the rows.
 vec3 tracer_transmittance(uint triangle, vec2 barycentrics, mat3 world_to_object, vec3 direction) {
     uvec4 a = texelFetch(bvh_triangles, int(triangle * 3u));
     uvec4 b = texelFetch(bvh_triangles, int(triangle * 3u + 1u));
@@ -120,7 +120,7 @@ vec3 tracer_transmittance(uint triangle, vec2 barycentrics, mat3 world_to_object
 float just_before(float t) { return uintBitsToFloat(floatBitsToUint(t) - 1u); }
 float just_behind(float t) { return uintBitsToFloat(floatBitsToUint(t) + 1u); }
 
-// What of the light along the segment arrives: 0 where something opaque lies on it, else what all thin surfaces there let pass.
+// Transmittance of the segment: 0 where anything opaque lies on it, else the product over the thin surfaces there.
 vec3 trace_transmittance(vec3 origin, vec3 direction, float t_min, float t_max) {
     TracerHit hit;
     vec3 transmittance;

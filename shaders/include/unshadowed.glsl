@@ -1,4 +1,4 @@
-// About what each light sends from a surface to the eye, unoccluded: exactly for lights without extent, smoothly for others,
+// Radiance that each light sends from a surface to the eye, unoccluded: exact for lights without extent, smooth estimates for others,
 // area lights among them, and never 0 where they send anything (for the ratio estimator of Heitz et al. 2018). Needs frame.glsl,
 // bsdf.glsl, surface.glsl, lights.glsl and scene_set.glsl.
 #include "light_cone.glsl"
@@ -12,7 +12,7 @@ struct ShadingPoint {
     float gloss_of_areas;  // share of the GGX lobe's light of area lights that counts here: rays along the lobe do not meet it
 };
 
-// What the BSDF makes of irradiance across a direction, by both lobes, without the cosine.
+// The BSDF of both lobes, 1/sr, without the cosine; `gloss`: share of the GGX lobe.
 vec3 bsdf_of(ShadingPoint point, vec3 to_light, float gloss) {
     vec3 bsdf = point.diffuse / PI;
     if (point.is_glossy && gloss > 0.0) bsdf += gloss * reflected_towards_eye(point.reflection, to_light);

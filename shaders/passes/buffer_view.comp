@@ -58,7 +58,7 @@ const uint MOTION = 17u;
 // Movement in pixels that is shown at full strength.
 const float FULL_MOTION = 16.0;
 
-// What arrives of the lights at a pixel, on average.
+// Share of the lights that reaches a pixel, on average.
 vec3 visibility(ivec2 pixel) {
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < frame.light_count; i++) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Direct light of point, spot and directional lights, by both lobes of the BSDF; what surfaces emit; the environment behind them.
+// Direct light of point, spot and directional lights, by both lobes of the BSDF; emission of surfaces; the environment behind them.
 // Out: radiance; a: how much it counts for automatic exposure; and the directional albedo of the GGX lobe.
 #include "frame.glsl"
 #include "gbuffer.glsl"
@@ -29,7 +29,7 @@ layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D specular_albedo
 #include "environment.glsl"
 #include "unshadowed.glsl"
 #include "shading_point.glsl"
-// What arrives over what would without shadows.
+// Shadowed over unshadowed radiance.
 layout(set = 0, binding = 13, rgba16f) uniform readonly image2D shadow;
 
 // The radiance of punctual lights, behind hard shadows.
@@ -45,14 +45,14 @@ vec3 hard_shadowed(ShadingPoint point, ivec2 pixel) {
     return radiance;
 }
 
-// Of all lights, behind soft ones.
+// The radiance of all lights, behind soft shadows.
 vec3 soft_shadowed(ShadingPoint point, ivec2 pixel) {
     vec3 radiance = vec3(0.0);
     for (uint i = 0u; i < frame.direct_lights; i++) radiance += unshadowed_radiance(i, point);
     return radiance * imageLoad(shadow, pixel).rgb;
 }
 
-// What shines itself counts for automatic exposure by this, and what is behind all surfaces not at all. Twin: src/reference/film.rs.
+// Weight of pixels that emit in automatic exposure; the environment has none. Twin: src/reference/film.rs.
 const float SHARE_OF_LIGHTS = 1.0 / 16.0;
 
 vec4 radiance_of(uvec2 id, ivec2 pixel, out vec3 specular) {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// One ray for each pixel and light that it faces. Out: what arrives of each light: a bit, or what thin surfaces let pass.
+// One ray for each pixel and light that it faces. Out: the transmittance to each light: a bit, or a colour with thin surfaces.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "tracer.glsl"

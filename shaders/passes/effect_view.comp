@@ -16,7 +16,7 @@ layout(push_constant) uniform Push {
     uint kind; // one of those below
 } push;
 
-// Twin: Kind in src/passes/effect_view.rs.
+// Twin: Visualization in src/passes/effect_view.rs.
 const uint SHARE = 0u;     // rgb, from 0 to 1
 const uint LIGHT = 1u;     // rgb, with the picture's exposure
 const uint DEVIATION = 2u; // a, in grey

@@ -31,7 +31,7 @@ layout(location = 3) out uvec2 out_instance;
 layout(location = 4) out uvec2 out_surface;
 layout(location = 5) out vec2 out_motion;
 
-// What irradiance becomes: a surface that reflects nothing else is spared the rest.
+// Albedo of irradiance: the base colour where a surface has no other lobe, which spares it the rest.
 vec3 diffuse_albedo(Bsdf bsdf, vec3 normal, vec3 to_eye) {
     return reflects(bsdf) ? prepare_bsdf(bsdf, normal, to_eye).diffuse : bsdf.base;
 }

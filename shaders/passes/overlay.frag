@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Lines and points over the picture: round ends, smooth edges; what the surfaces in the picture hide is dimmed.
+// Lines and points over the picture: round ends, smooth edges; parts that surfaces in the picture hide are dimmed.
 #include "frame.glsl"
 
 layout(location = 0) in flat vec4 ends_px;

@@ -3,7 +3,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 // One level of an edge-avoiding a-trous filter (Dammertz et al. 2010) over a signal whose variance is known, as wide as that variance
 // asks for (Schied et al. 2017): texels count if they differ by no more than noise explains, those on other surfaces less. In: the
-// signal, a: 0 where a texel knows nothing; the variance of its luminance. Out: both, filtered.
+// signal, a: 0 where a texel has none; the variance of its luminance. Out: both, filtered.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "rounded.glsl"
@@ -56,7 +56,7 @@ void main() {
         float light = luminance(middle.rgb);
         vec4 sum = vec4(middle.rgb, 1.0);
         float footprint = centre.depth * pixel_footprint() * float(push.pixels * push.step);
-        // What may be black by chance stays black: irradiance_upsampling.comp fills it.
+        // A pixel that may be black by chance stays black: irradiance_upsampling.comp fills it.
         float other_surface = may_be_black_by_chance(middle) ? 0.0 : OTHER_SURFACE;
         float sum_of_variances = variance;
         for (int i = 0; i < 9; i++) {
@@ -73,7 +73,7 @@ void main() {
             bool same = known && cosine >= MIN_NORMAL_COSINE
                 && same_surface(d, centre.geometric, octahedral_decode(normals.zw), centre.depth);
             float tap_variance = imageLoad(noisy_variance, at).r;
-            // Of both texels alike: were it the centre's alone, what is bright and noisy would take more darkness than it gives light.
+            // The tolerance takes both texels alike: by the centre's alone, a bright noisy texel would take more darkness than it gives light.
             float tolerance = push.tolerance * 0.5 * (deviation + sqrt(tap_variance));
             float likeness = exp(-abs(luminance(tap.rgb) - light) / tolerance);
             float surfaces = same ? 1.0 : known ? other_surface * neighbour_weight(cosine, d / footprint) : 0.0;

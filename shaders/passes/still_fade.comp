@@ -27,7 +27,7 @@ layout(push_constant) uniform Push {
 const vec2 OF_CORRECTION = vec2(0.05, 0.5);
 const vec2 OF_MEAN = vec2(0.01, 0.1);
 
-// What the surface around is too bright by may be more than the light of a dark pixel: the correction leaves so much of it.
+// Least share of a dark pixel's light that the correction leaves: the surface around may be too bright by more than all of it.
 const float DARKEST = 0.25;
 
 float weight_of(float deviation, vec2 range) { return 1.0 - smoothstep(range.x, range.y, deviation); }

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Progressive accumulation: the mean of raw radiance, before all denoisers, over the frames in which nothing changes. In: everything that
-// radiance is made of, as sampled; the denoised picture. Out: the mean; what it corrects in the denoised picture, and the
+// radiance is made of, as sampled; the denoised picture. Out: the mean; the correction of the denoised picture, and the
 // variance of that.
 #include "frame.glsl"
 #include "radiance.glsl"
@@ -29,7 +29,7 @@ layout(push_constant) uniform Push {
 
 bool is_finite(vec3 light) { return !any(isnan(light)) && !any(isinf(light)); }
 
-// One more sample; what is not a number changes nothing.
+// Adds a sample to the mean; NaN and infinity change nothing.
 vec4 added(vec4 before, vec3 raw, float count) {
     if (!is_finite(raw)) return count > 1.0 ? before : vec4(0.0);
     vec3 now = count > 1.0 ? before.rgb + (raw - before.rgb) / count : raw;
@@ -37,10 +37,10 @@ vec4 added(vec4 before, vec3 raw, float count) {
     return vec4(now, squares);
 }
 
-// Weight in the variance of what the denoised picture knows better: few samples that are all dark seem to have no variance.
+// Weight of the difference from the denoised picture in the variance: few samples that are all dark seem to have none.
 const float DISAGREEMENT = 4.0;
 
-// Of a mean without noise: 0 stands for one without samples.
+// Deviation of a mean without noise: 0 stands for a mean without samples.
 const float LEAST_DEVIATION = 1e-4;
 
 // Standard deviation of the luminance of the mean.

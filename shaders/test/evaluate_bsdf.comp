@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What bsdf.glsl answers, one question a thread, for tests/device/bsdf.rs.
+// Evaluates bsdf.glsl, one question a thread, for tests/device/bsdf.rs.
 #include "bsdf.glsl"
 
 layout(local_size_x = 64) in;

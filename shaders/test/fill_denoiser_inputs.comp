@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What a denoiser reads, from a buffer, for tests/denoise.
+// Fills the inputs of a denoiser from a buffer, for tests/denoise.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "visible_surface.glsl"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// What surface_of answers where rays hit, one ray a thread, for tests/device/hits.rs.
+// The results of surface_of where rays hit, one ray a thread, for tests/device/hits.rs.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "scene_set.glsl"

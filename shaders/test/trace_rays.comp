@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What trace_closest and trace_transmittance answer, one ray a thread, for tests/device/tracer.rs.
+// The results of trace_closest and trace_transmittance, one ray a thread, for tests/device/tracer.rs.
 #include "ray.glsl"
 #include "tracer.glsl"
 

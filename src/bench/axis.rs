@@ -46,7 +46,7 @@ impl Axis {
         axes
     }
 
-    /// Those along which the method of a run changes.
+    /// The axes along which the method of a run changes.
     pub fn of(run: &Run) -> impl Iterator<Item = Self> {
         let own = estimators::method(&run.settings).axes;
         let others = |key| {
@@ -64,7 +64,7 @@ impl Axis {
             .is_none_or(|named| is_of(estimators::method(&named)) || !estimators::methods().iter().any(is_of))
     }
 
-    /// The first axis of the method of a run, if it has any: what tables name where nothing varies.
+    /// The first axis of the method of a run, if it has any: tables name it where nothing varies.
     pub fn main(run: &Run) -> Option<Self> {
         estimators::method(&run.settings).axes.first().map(Self::Number)
     }
@@ -87,7 +87,7 @@ impl Axis {
         }
     }
 
-    /// Its value of `run` as a coordinate of a plot; for a size the number of pixels; none for a method.
+    /// Value of the axis for `run` as a coordinate of a plot; for a size the number of pixels; none for a method.
     pub fn value(self, run: &Run) -> Option<f64> {
         match self {
             Self::Method => None,
@@ -96,7 +96,7 @@ impl Axis {
         }
     }
 
-    /// Its value of `run` as text.
+    /// Value of the axis for `run` as text.
     pub fn text(self, run: &Run) -> String {
         match self {
             Self::Method => run.method.to_string(),
@@ -105,7 +105,7 @@ impl Axis {
         }
     }
 
-    /// Its value of `run` as a phrase.
+    /// Value of the axis for `run` as a phrase.
     pub fn phrase(self, run: &Run) -> String {
         match self {
             Self::Number(axis) => axis.phrase((axis.get)(&run.settings)) + axis.note(&run.settings),

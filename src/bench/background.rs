@@ -58,7 +58,7 @@ impl BackgroundBench {
         self.thread.is_some()
     }
 
-    /// What is being measured.
+    /// Name of the measurement that runs.
     pub fn task(&self) -> &str {
         &self.task
     }
@@ -66,7 +66,7 @@ impl BackgroundBench {
     /// Takes in what was measured meanwhile; the report, once, when it is done.
     ///
     /// # Errors
-    /// Those of [`Bench::run`], once.
+    /// The results of [`Bench::run`], once.
     pub fn follow(&mut self) -> Result<Option<Report>, BenchError> {
         while let Ok(message) = self.messages.try_recv() {
             match message {

@@ -41,7 +41,7 @@ impl Chart {
         }
     }
 
-    /// Its text as an SVG.
+    /// Text as an SVG.
     pub fn svg(&self) -> Result<String, String> {
         match &self.drawing {
             Drawing::Curves(curves) => plot::svg_text(curves),
@@ -96,12 +96,12 @@ fn line(row: &GridRow<'_>, axis: Axis, value: &dyn Fn(&Run) -> Option<f64>) -> L
     let point = |run: &&Run| Some((axis.value(run)?, value(run)?));
     let mut points: Vec<_> = row.runs.iter().flatten().filter_map(point).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Of two runs at one value, the second is at half resolution, and only in the tables.
+    // The second of two runs at one value is at half resolution, and only in the tables.
     points.dedup_by_key(|point| point.0);
     Line { name: row.label.clone(), points, look: Look::Marked }
 }
 
-/// The same with the confidence intervals of the frame time.
+/// One line per row, with the confidence intervals of the frame time.
 fn certain_line(row: &GridRow<'_>, axis: Axis, noise: &Noise) -> Line {
     let figure = |run: &Run| Summary::of(run, noise)?.figure(TOTAL).copied();
     let end = |end: usize| {
@@ -231,7 +231,7 @@ fn along_animation(report: &Report, grid: &Grid<'_>) -> Chart {
     Chart::curves("along-the-animation", curves)
 }
 
-/// Error against time, a panel for each scene: in motion, and until a still picture stands still.
+/// Error against time, a panel for each scene: in motion, and until a still picture is frozen.
 fn pareto(report: &Report, noise: &Noise) -> Vec<Chart> {
     if report.runs.iter().all(|run| run.quality.is_none()) {
         return Vec::new();
@@ -256,7 +256,7 @@ fn pareto(report: &Report, noise: &Noise) -> Vec<Chart> {
             report,
             "pareto-still",
             "Error against time of a still picture",
-            "time until the picture stands still, ms",
+            "time until the picture is frozen, ms",
             &still,
         ),
     ]

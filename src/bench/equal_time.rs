@@ -26,7 +26,7 @@ const TOLERANCE: f64 = 0.1;
 /// Most samples a pixel, and most of a setting.
 const MOST: u32 = 65_536;
 
-/// A trial: what it was, and what came of it.
+/// A trial and its result.
 struct Trial {
     method: Method,
     settings: Settings,

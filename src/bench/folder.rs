@@ -45,7 +45,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Its path.
+    /// Path.
     pub fn path(&self) -> &Path {
         &self.path
     }

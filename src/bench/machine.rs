@@ -27,7 +27,7 @@ pub struct Machine {
     pub os: String,
     /// Version of glowworm.
     pub version: String,
-    /// Its commit, or unknown.
+    /// Commit, or unknown.
     pub commit: String,
 }
 

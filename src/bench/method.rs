@@ -55,7 +55,7 @@ impl Method {
         estimators.chain(REFERENCES).map(str::parse).collect()
     }
 
-    /// Its short name.
+    /// Short name.
     pub fn name(&self) -> &str {
         &self.name
     }

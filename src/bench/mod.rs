@@ -3,10 +3,10 @@
 //! In: a [`Plan`] and a device. Out: a [`Report`] of samples. All tables, plots and pages derive from it (Tonna 2019,
 //! figures 23 to 27 and 30).
 //!
-//! - `plan`: scenes, methods, settings, frames; `axis`: what differs between runs; `method`: what lights the pictures; `run`,
-//!   `samples`: what was measured; `source`: measures it; `quality`, `equal_time`, `pictures`.
+//! - `plan`: scenes, methods, settings, frames; `axis`: differences between runs; `method`: the method that lights the pictures; `run`,
+//!   `samples`: measurements; `source`: takes them; `quality`, `equal_time`, `pictures`.
 //! - `report`: the report; `summary`: statistics; `against`: changes since an earlier report.
-//! - `background`: the same beside a program that goes on drawing.
+//! - `background`: measures beside a program that goes on drawing.
 //! - [`micro`]: micro-benchmarks of tracers, BVH and passes, with a report of their own.
 //! - `tables`, `charts`: the report as tables and plots; `csv`, `markdown`, `html`, `folder`: as files.
 
@@ -75,7 +75,7 @@ pub enum BenchError {
     Settings {
         /// The scene whose settings took part.
         scene: String,
-        /// What is wrong with them.
+        /// The error of the settings.
         error: SettingsError,
     },
     /// Two scenes have the same name.
@@ -98,7 +98,7 @@ pub enum BenchError {
     Report {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// The micro-benchmarks were interrupted; nothing is kept.

@@ -36,7 +36,7 @@ pub struct Plan {
 pub struct Sweep {
     /// Methods; none: that of the settings.
     pub methods: Vec<Method>,
-    /// Lists of values by the key of their setting. What has none has the scene's value, or the default.
+    /// Lists of values by the key of their setting. A setting without a list has the scene's value, or the default.
     #[serde(flatten)]
     pub settings: BTreeMap<String, Vec<toml::Value>>,
 }

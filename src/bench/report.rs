@@ -41,7 +41,7 @@ pub struct Report {
 /// Size of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneFacts {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Triangles of all instances.
     pub triangles: usize,
@@ -142,7 +142,7 @@ pub struct EqualTime {
     pub scene: String,
     /// The method, with its samples chosen.
     pub method: Method,
-    /// Its name among the runs.
+    /// Name among the runs.
     pub run: Method,
     /// The setting that was chosen, with its value; none where the method has none.
     pub setting: Option<(String, u32)>,
@@ -170,7 +170,7 @@ pub enum PictureKind {
     Reference,
     /// A method at equal time, at the last measured frame.
     EqualTime,
-    /// Its FLIP error.
+    /// FLIP error.
     FlipMap,
 }
 
@@ -198,13 +198,13 @@ impl PictureKind {
 pub struct PictureEntry {
     /// Name of the scene.
     pub scene: String,
-    /// Its subject.
+    /// Subject.
     pub kind: PictureKind,
     /// The method among the runs; none where it does not matter.
     pub method: Option<Method>,
     /// The short name of what rendered it, such as `vpls@T=16`.
     pub rendered_by: String,
-    /// Its name in the folder of pictures.
+    /// Name in the folder of pictures.
     pub file: String,
 }
 

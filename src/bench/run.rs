@@ -20,7 +20,7 @@ pub struct Run {
     pub settings: Settings,
     /// Warm-up frames.
     pub warm_up: u32,
-    /// Its measurements.
+    /// Measurements.
     pub rounds: Vec<Round>,
     /// Errors against the path tracer's pictures, with `--quality`.
     pub quality: Option<Quality>,
@@ -85,16 +85,16 @@ pub struct Quality {
     pub settling_frames: u32,
     /// Mean absolute change of luminance from frame to frame after that (Schied et al. 2017), W/m^2/sr.
     pub temporal_error: f64,
-    /// At the last moment.
+    /// Quality at the last moment.
     pub still: Still,
 }
 
-/// A picture of one moment, from a fresh start until it stands still.
+/// A picture of one moment, from a fresh start until it is frozen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Still {
-    /// Frames until it stands still.
+    /// Frames until it is frozen.
     pub frames: u32,
-    /// Their time, ms.
+    /// Time of these frames, ms.
     pub ms: f64,
     /// Error of the last one.
     pub error: FrameQuality,

@@ -10,7 +10,7 @@ use crate::report::FrameFigures;
 /// One column per quantity, one value per frame. Times in ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Samples {
-    /// From the start of a frame until the device has finished it.
+    /// Time from the start of a frame until the device has finished it.
     pub total_ms: Vec<f64>,
     /// Each pass, in the order of the frame.
     pub passes: Columns<f64>,

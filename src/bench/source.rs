@@ -146,7 +146,7 @@ pub(super) fn measure(
     restart_cpu_peak();
     scene.device.restart_memory_peak();
     let first = -i64::from(warm_up(settings));
-    // What costs nothing as it stands still is no frame rate.
+    // A frozen picture costs nothing, which is no frame rate.
     let moving = Settings { still_frames: 0, ..settings.clone() };
     let mut source = FrameSource::new(scene, method, &moving, &scene.pose(first, settings))?;
     let mut samples = Samples::default();

@@ -119,16 +119,16 @@ pub struct Summary {
 /// One quantity of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit.
     pub unit: Unit,
     /// Spread over the frames of all rounds.
     pub spread: Spread,
     /// Interquartile mean: over the middle half of the frames, ordered by frame time. Robust against slow frames, and the
     /// stages add up to it.
     pub midmean: f64,
-    /// For times: 95 % confidence interval of the median of another run.
+    /// 95 % confidence interval of the median of another run, for times.
     pub interval: Option<[f64; 2]>,
 }
 

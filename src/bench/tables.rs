@@ -317,7 +317,7 @@ fn quality(report: &Report, noise: &Noise) -> Vec<Table> {
         ),
         Table::new(
             "Quality of a still picture",
-            "The last of these moments from a fresh start: frames and time until the picture stands still, and its error \
+            "The last of these moments from a fresh start: frames and time until the picture is frozen, and its error \
              then. The path tracer's is its first one.",
             ["run", "frames", "ms", "FLIP", "SSIM", "relative error %"],
             report.runs.iter().filter_map(still),

@@ -16,7 +16,7 @@ const STEPS: usize = 64;
 /// Points over the cosine's square that an entry of it is averaged over.
 const POINTS: usize = 64;
 
-/// What [`means_of`] interpolates, by roughness from [`MIRROR_ROUGHNESS`] to 1.
+/// Table that [`means_of`] interpolates, by roughness from [`MIRROR_ROUGHNESS`] to 1.
 static MEANS: LazyLock<[[f32; 4]; STEPS + 1]> = LazyLock::new(|| {
     std::array::from_fn(|step| {
         let roughness = MIRROR_ROUGHNESS + (1.0 - MIRROR_ROUGHNESS) * step as f32 / STEPS as f32;
@@ -34,7 +34,7 @@ static MEANS: LazyLock<[[f32; 4]; STEPS + 1]> = LazyLock::new(|| {
     })
 });
 
-/// Averages over the hemisphere by the cosine: what GGX microfacets reflect at the first try at normal and at grazing
+/// Averages over the hemisphere by the cosine: single scattering of GGX microfacets at normal and at grazing
 /// incidence, and both times what multiple scattering adds where F0 is 1.
 fn means_of(roughness: f32) -> [f32; 4] {
     if roughness < MIRROR_ROUGHNESS {
@@ -85,7 +85,7 @@ pub(super) fn smith(light: f32, eye: f32, alpha: f32) -> f32 {
     light * (eye + long_eye) / (light * long_eye + eye * long_light)
 }
 
-/// What GGX microfacets reflect of uniform light at the first try, for Fresnel reflectance 1 and for `(1 - c)^5`, at
+/// Albedo of GGX microfacets by single scattering of uniform light, for Fresnel reflectance 1 and for `(1 - c)^5`, at
 /// the given cosine between normal and eye. Polynomials fitted to the integrals over roughnesses from 0.03 to 1 and all
 /// angles; the first is within 1.1 % of them, the second within 0.005.
 pub(super) fn single_scattering(cosine: f32, roughness: f32) -> (f32, f32) {

@@ -19,11 +19,11 @@ fn white(metallic: f32, roughness: f32) -> Bsdf {
 }
 
 /// The mean of the weights of `sample`: the directional albedo.
-fn furnace(seen: &Reflection, points: u32) -> Vec3 {
+fn furnace(reflection: &Reflection, points: u32) -> Vec3 {
     let mut sum = glam::DVec3::ZERO;
     for index in 0..points {
         let (pick, u) = (sequence_point(index, 0, 1).x, sequence_point(index, 1, 1));
-        if let Some(sampled) = seen.sample(pick, u) {
+        if let Some(sampled) = reflection.sample(pick, u) {
             sum += sampled.weight.as_dvec3();
         }
     }
@@ -35,13 +35,13 @@ fn a_white_furnace_loses_and_gains_no_light() {
     for roughness in ROUGHNESSES {
         for cosine in COSINES {
             for metallic in [0.0, 0.5, 1.0] {
-                let seen = white(metallic, roughness).seen(Vec3::Z, eye(cosine));
-                let reflected = furnace(&seen, 8192).x;
+                let reflection = white(metallic, roughness).prepare(Vec3::Z, eye(cosine));
+                let reflected = furnace(&reflection, 8192).x;
                 let case =
                     format!("roughness {roughness}, cosine {cosine}, metallic {metallic}: {reflected}");
                 assert!((reflected - 1.0).abs() < 0.02, "{case}");
-                // What passes take for granted.
-                let albedo = seen.diffuse_albedo() + seen.reflected_albedo();
+                // Passes rely on this sum.
+                let albedo = reflection.diffuse_albedo() + reflection.reflected_albedo();
                 assert!((albedo.x - 1.0).abs() < 1e-5, "{case}");
             }
         }
@@ -54,9 +54,9 @@ fn albedos_are_the_integrals_of_the_lobes() {
     let lacquer = surface(Vec3::new(0.7, 0.1, 0.1), 0.0, 0.25, Vec3::splat(0.08), 1.0);
     for bsdf in [gold, lacquer] {
         for cosine in COSINES {
-            let seen = bsdf.seen(Vec3::Z, eye(cosine));
-            let measured = furnace(&seen, 32_768);
-            let albedo = bsdf.albedo(seen.cosine);
+            let reflection = bsdf.prepare(Vec3::Z, eye(cosine));
+            let measured = furnace(&reflection, 32_768);
+            let albedo = bsdf.albedo(reflection.cosine);
             assert!((measured - albedo).abs().max_element() < 0.012, "{cosine}: {measured} {albedo}");
         }
         let cosine_weighted: Vec3 = (0..512)
@@ -72,29 +72,33 @@ fn no_reflectance_is_lambertian_to_the_bit() {
     let albedo = Vec3::new(0.3, 0.6, 0.9);
     let bsdf = surface(albedo, 0.0, 0.5, Vec3::ZERO, 0.0);
     assert_eq!((bsdf.mean_albedo(), bsdf.albedo(0.2)), (albedo, albedo));
-    let seen = bsdf.seen(Vec3::Z, eye(0.4));
-    let lobes = seen.evaluate(Vec3::new(0.6, 0.0, 0.8));
+    let reflection = bsdf.prepare(Vec3::Z, eye(0.4));
+    let lobes = reflection.evaluate(Vec3::new(0.6, 0.0, 0.8));
     assert_eq!(lobes, Lobes { diffuse: albedo / PI, reflected: Vec3::ZERO });
-    assert_eq!(seen.sample(0.0, Vec2::splat(0.3)).map(|sampled| sampled.weight), Some(albedo));
+    assert_eq!(reflection.sample(0.0, Vec2::splat(0.3)).map(|sampled| sampled.weight), Some(albedo));
 }
 
 #[test]
 fn mirrors_mirror() {
-    let seen = white(1.0, 0.0).seen(Vec3::Z, eye(0.6));
-    let sampled = seen.sample(0.2, Vec2::splat(0.7)).unwrap();
+    let reflection = white(1.0, 0.0).prepare(Vec3::Z, eye(0.6));
+    let sampled = reflection.sample(0.2, Vec2::splat(0.7)).unwrap();
     assert!(sampled.direction.distance(Vec3::new(-0.8, 0.0, 0.6)) < 1e-6);
     assert_eq!((sampled.density, sampled.weight), (None, Vec3::ONE));
-    assert_eq!(seen.evaluate(sampled.direction), Lobes::default());
+    assert_eq!(reflection.evaluate(sampled.direction), Lobes::default());
 }
 
 /// The frequency of sampled directions over bins of the hemisphere (cosine by azimuth) against the integral of
 /// the density over each.
-fn compare(seen: &Reflection, sample: impl Fn(u32) -> Option<Vec3>, density: impl Fn(Vec3) -> f32) -> f64 {
+fn compare(
+    reflection: &Reflection,
+    sample: impl Fn(u32) -> Option<Vec3>,
+    density: impl Fn(Vec3) -> f32,
+) -> f64 {
     const RINGS: usize = 24;
     const SECTORS: usize = 16;
     const FINE: usize = 48;
     const SAMPLES: u32 = 60_000;
-    let frame = seen.frame;
+    let frame = reflection.frame;
     let mut counts = vec![0u32; RINGS * SECTORS + 1];
     for index in 0..SAMPLES {
         let bin = sample(index).map(|direction| {
@@ -146,20 +150,20 @@ fn samples_follow_their_density() {
     for roughness in [0.3, 0.5, 0.8, 1.0] {
         for cosine in [0.08, 0.4, 0.8, 1.0] {
             let bsdf = surface(Vec3::splat(0.5), 0.3, roughness, Vec3::splat(0.04), 1.0);
-            let seen = bsdf.seen(normal, tilted(cosine));
+            let reflection = bsdf.prepare(normal, tilted(cosine));
             let u = |index| random_point(index, 0, 7);
             let lobe = compare(
-                &seen,
-                |index| seen.sample_reflected(u(index)).map(|sampled| sampled.direction),
-                |direction| seen.reflected_density(direction),
+                &reflection,
+                |index| reflection.sample_reflected(u(index)).map(|sampled| sampled.direction),
+                |direction| reflection.reflected_density(direction),
             );
             let both = compare(
-                &seen,
+                &reflection,
                 |index| {
                     let pick = random_point(index, 1, 7).x;
-                    seen.sample(pick, u(index)).map(|sampled| sampled.direction)
+                    reflection.sample(pick, u(index)).map(|sampled| sampled.direction)
                 },
-                |direction| seen.density(direction),
+                |direction| reflection.density(direction),
             );
             assert!(lobe < 1.35 && both < 1.35, "{roughness} {cosine}: {lobe} {both}");
         }
@@ -169,10 +173,10 @@ fn samples_follow_their_density() {
 #[test]
 fn weights_are_the_bsdf_over_the_density() {
     let bsdf = surface(Vec3::new(0.9, 0.5, 0.2), 0.4, 0.35, Vec3::splat(0.04), 1.0);
-    let seen = bsdf.seen(Vec3::Z, eye(0.5));
+    let reflection = bsdf.prepare(Vec3::Z, eye(0.5));
     for index in 0..200 {
-        let Some(sampled) = seen.sample_reflected(sequence_point(index, 0, 3)) else { continue };
-        let f = seen.evaluate(sampled.direction).reflected;
+        let Some(sampled) = reflection.sample_reflected(sequence_point(index, 0, 3)) else { continue };
+        let f = reflection.evaluate(sampled.direction).reflected;
         let expected = f * sampled.direction.z / sampled.density.unwrap();
         assert!((sampled.weight - expected).abs().max_element() < 1e-3 * sampled.weight.max_element());
     }
@@ -182,10 +186,10 @@ fn weights_are_the_bsdf_over_the_density() {
 fn extremes_stay_finite() {
     for roughness in [MIRROR_ROUGHNESS, 0.04, 1.0] {
         for cosine in [-0.3, 0.0, 1e-6, 1.0] {
-            let seen = white(1.0, roughness).seen(Vec3::Z, eye(cosine));
+            let reflection = white(1.0, roughness).prepare(Vec3::Z, eye(cosine));
             for index in 0..500 {
                 let u = sequence_point(index, 0, 5);
-                if let Some(sampled) = seen.sample(u.y, u) {
+                if let Some(sampled) = reflection.sample(u.y, u) {
                     assert!(sampled.weight.is_finite() && sampled.density.is_some_and(f32::is_finite));
                     assert!(sampled.weight.max_element() < 1e4, "{sampled:?}");
                 }

@@ -11,13 +11,13 @@ use super::shapes::{cuboid, lathe, lathe_shaped};
 /// A column with base and capital.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
-    /// From floor to the top of the abacus.
+    /// Height from the floor to the top of the abacus.
     pub height: f32,
-    /// Of the shaft, at its foot.
+    /// Radius of the shaft at its foot.
     pub radius: f32,
-    /// Around.
+    /// Segments around the shaft.
     pub segments: u32,
-    /// Of shaft, and of base and capital.
+    /// Materials of the shaft, and of base and capital.
     pub materials: [u32; 2],
 }
 

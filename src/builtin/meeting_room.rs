@@ -16,7 +16,7 @@ use super::walls::{cornice, straight};
 
 /// Half of the room's extent in x and z.
 const HALF: Vec2 = Vec2::new(6.0, 4.2);
-/// From the floor to the panels of the ceiling.
+/// Height from the floor to the panels of the ceiling.
 const CEILING: f32 = 3.1;
 /// Thickness of the walls.
 const WALL: f32 = 0.25;

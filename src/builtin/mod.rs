@@ -70,7 +70,7 @@ pub const NAMES: [&str; 16] = [
 /// The scenes of the benchmark: those of Tonna 2019, figure 24, or procedural substitutes.
 pub const BENCH_SCENES: [&str; 5] = ["cornell-box", "atrium", "atrium-drapery", "cathedral", "meeting-room"];
 
-/// The same five with the original models, which are not shipped.
+/// The scenes of the benchmark with the original models, which are not shipped.
 pub const BENCH_SCENES_OF_ASSETS: [&str; 5] =
     ["cornell-box", "sponza", "crytek-sponza", "sibenik-spot", "conference-torus"];
 

@@ -12,7 +12,7 @@ use crate::scene::Mesh;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tuft {
     pub leaves: u32,
-    /// Of the longest leaf, metres.
+    /// Length of the longest leaf, metres.
     pub length: f32,
     pub width: f32,
     /// Seed of the leaves' directions.

@@ -64,7 +64,7 @@ pub(super) fn bevelled(min: Vec3, max: Vec3, bevel: f32, material: u32) -> Part 
     boxed(&loft(&rings, Ends::Capped, material))
 }
 
-/// The same with texture coordinates that follow the axes.
+/// The part with texture coordinates that follow the axes.
 fn boxed(part: &Part) -> Part {
     let mut part = part.clone();
     for piece in &mut part.pieces {

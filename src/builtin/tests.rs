@@ -1,4 +1,4 @@
-//! What every model made by code must be: solids closed and outside out, normals, no faces that lie on each other.
+//! Checks every model made by code: solids closed and outside out, normals, no faces that lie on each other.
 
 use super::*;
 

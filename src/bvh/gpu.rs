@@ -109,7 +109,7 @@ pub struct GpuAlphaMasks {
     pub triangle_uvs: Vec<GpuMaskedTriangle>,
     /// The scene's alpha masks.
     pub masks: Vec<GpuMask>,
-    /// Their texels, four or two a word, low bytes first.
+    /// Texels of the masks, four or two a word, low bytes first.
     pub mask_texels: Vec<u32>,
 }
 
@@ -122,7 +122,7 @@ pub struct GpuBvh {
     pub triangles: Vec<GpuTriangle>,
     /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
-    /// What those of thin surfaces let pass.
+    /// Transmittance of the triangles of thin surfaces.
     pub thin_surfaces: Arc<GpuThinSurfaces>,
     /// Static, then dynamic instances.
     pub instances: Vec<GpuInstance>,

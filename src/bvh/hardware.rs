@@ -27,9 +27,9 @@ pub struct Run {
 /// The triangles of one mesh; both runs are empty for a mesh that cannot be hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshRuns {
-    /// Those without an alpha mask that are no thin surfaces'.
+    /// Triangles without an alpha mask and of no thin surface.
     pub opaque: Run,
-    /// The others.
+    /// All other triangles.
     pub masked: Run,
 }
 
@@ -47,7 +47,7 @@ pub struct HardwareLayout {
     pub triangles: Vec<GpuTriangle>,
     /// The data of their alpha tests.
     pub alpha: GpuAlphaMasks,
-    /// What those of thin surfaces let pass.
+    /// Transmittance of the triangles of thin surfaces.
     pub thin_surfaces: Arc<GpuThinSurfaces>,
     /// The runs of each mesh.
     pub meshes: Vec<MeshRuns>,

@@ -54,7 +54,7 @@ impl Child {
         first..first + (self.0 as usize & Self::MAX_COUNT)
     }
 
-    /// The same child after `nodes` and `primitives` are inserted before it.
+    /// This child after `nodes` and `primitives` are inserted before it.
     pub(super) fn offset(self, nodes: usize, primitives: usize) -> Self {
         if self.is_leaf() {
             let range = self.range();

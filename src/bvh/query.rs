@@ -31,12 +31,12 @@ impl TwoLevelBvh {
         query::<false>(self, &self.levels(), ray).hit
     }
 
-    /// What lies on the segment.
+    /// Whether anything lies on the segment.
     pub fn occlusion(&self, ray: &Ray) -> Occlusion {
         query::<true>(self, &self.levels(), ray).occlusion()
     }
 
-    /// What dynamic instances do there.
+    /// Whether anything of a dynamic instance lies on the segment.
     pub fn occlusion_by_dynamic(&self, ray: &Ray) -> Occlusion {
         query::<true>(self, &[&self.dynamic_level], ray).occlusion()
     }
@@ -81,7 +81,7 @@ struct Found {
 }
 
 impl Found {
-    /// What an `ANY` query tells.
+    /// The answer of an `ANY` query.
     fn occlusion(&self) -> Occlusion {
         match (self.hit, self.thin_surfaces) {
             (Some(_), _) => Occlusion::Opaque,

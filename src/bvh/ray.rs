@@ -32,7 +32,7 @@ pub struct Hit {
     pub barycentrics: Vec2,
 }
 
-/// What lies on a segment.
+/// Occlusion of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occlusion {
     /// Nothing.

@@ -1,6 +1,6 @@
 //! Thin surfaces as `shaders/include/tracer.glsl` reads them, for both tracers.
 //!
-//! In: a scene. Out: what its thin surfaces let pass: a record for each material, and the texels of their base colours.
+//! In: a scene. Out: the transmittance of its thin surfaces: a record for each material, and the texels of their base colours.
 
 use std::collections::HashMap;
 
@@ -35,7 +35,7 @@ pub struct GpuThinTriangle {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GpuThinSurface {
-    /// rgb: what it lets pass where its coat reflects nothing, to be multiplied with texture and vertices; w: opacity.
+    /// rgb: transmittance where its coat reflects nothing, to be multiplied with texture and vertices; w: opacity.
     pub passed: Vec4,
     /// rgb: base colour of its coat, mean over textures; w: metallic, likewise.
     pub base: Vec4,

@@ -137,7 +137,7 @@ impl TwoLevelBvh {
         }
     }
 
-    /// What the thin surfaces of a scene let pass that [is built like](Scene::same_geometry_and_bindings) that of the BVH.
+    /// Transmittance of the thin surfaces of a scene that [is built like](Scene::same_geometry_and_bindings) that of the BVH.
     pub fn thin_surfaces_of(&self, scene: &Scene) -> GpuThinSurfaces {
         GpuThinSurfaces::new(scene, &self.bottom.thin_surfaces)
     }

@@ -16,25 +16,25 @@ const MAX_THIN_SURFACES: u32 = 64;
 /// The world at one moment, on the CPU.
 #[derive(Clone, Copy, Debug)]
 pub struct World<'a> {
-    /// What the world is.
+    /// The scene.
     pub scene: &'a Scene,
     /// Where everything stands now.
     pub pose: &'a Pose,
-    /// Its BVH, already updated to `pose`.
+    /// BVH, already updated to `pose`.
     pub bvh: &'a TwoLevelBvh,
 }
 
-/// What thin surfaces have made of a ray's light, by channel.
+/// Effect of thin surfaces on a ray's light, by channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmission {
     /// The share that the thin surfaces let pass in which it has not stopped.
     pub transmittance: Vec3,
-    /// The weight of where it stopped, which was chosen at random: what arrives there over the probability.
+    /// The weight of where it stopped, which was chosen at random: the share of the light that arrives there over the probability.
     pub weight: Vec3,
 }
 
 impl Transmission {
-    /// Of a ray that has met no thin surface.
+    /// A ray that has met no thin surface.
     pub const CLEAR: Self = Self { transmittance: Vec3::ONE, weight: Vec3::ONE };
 }
 
@@ -50,7 +50,7 @@ impl World<'_> {
         self.pass(ray, hit, numbers, |rest| self.bvh.intersect(rest))
     }
 
-    /// The same of a ray from the eye, which passes the backs of single-sided surfaces as if they were not there.
+    /// [`Self::pass_thin_surfaces`] for a ray from the eye, which passes the backs of single-sided surfaces as if they were not there.
     pub fn pass_from_eye(
         &self,
         ray: &Ray,
@@ -76,7 +76,7 @@ impl World<'_> {
             let Some(met) = hit else { break };
             let Some((coverage, passed)) = self.thin_surface(&met, ray.direction) else { break };
             let passes = passed.max_element();
-            // What lets all light of a channel pass takes no number, so that what cannot be seen changes nothing.
+            // A surface that passes all light of a channel takes no number, so that invisible ones change nothing.
             if passes < 1.0 && numbers.next().is_some_and(|number| number >= passes) {
                 transmission.weight *= coverage / (1.0 - passes);
                 break;
@@ -88,7 +88,7 @@ impl World<'_> {
         (hit, transmission)
     }
 
-    /// What a ray shows the eye: its closest hit behind all thin surfaces that let more than half of the light pass.
+    /// The surface that a ray shows the eye: its closest hit behind all thin surfaces that let more than half of the light pass.
     pub fn visible(&self, ray: &Ray) -> Option<Hit> {
         self.behind_clear_surfaces(ray, self.bvh.intersect(ray))
     }
@@ -174,9 +174,9 @@ impl World<'_> {
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let found = self.scene.surface_at(self.pose, hit.instance, point, Side::Facing(direction));
         let bsdf = material.bsdf_at(self.scene, found.attributes);
-        let seen = bsdf.seen(found.surface.normal, -direction.normalize());
+        let reflection = bsdf.prepare(found.surface.normal, -direction.normalize());
         let thin_surface = material.thin_surface_at(self.scene, found.attributes);
-        Some((thin_surface.coverage, thin_surface.transmittance(seen.reflected_albedo().max_element())))
+        Some((thin_surface.coverage, thin_surface.transmittance(reflection.reflected_albedo().max_element())))
     }
 }
 

@@ -29,7 +29,7 @@ pub enum CliError {
     Settings {
         /// The scene whose settings took part.
         scene: String,
-        /// What is wrong with them.
+        /// The error of the settings.
         error: SettingsError,
     },
     /// The scene cannot be loaded.
@@ -77,7 +77,7 @@ pub enum CliError {
     Resume {
         /// The picture.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
     /// A reference was interrupted.

@@ -220,7 +220,7 @@ fn check_apart(
 /// Stops on either side of middle grey within which automatic exposure adapts; twin: shaders/passes/exposure.comp.
 const EXPOSURE_STOPS: f32 = 16.0;
 
-/// What a viewer of the picture should know: that it is black, or too bright or dark for automatic exposure.
+/// A warning about the picture: it is black, or too bright or dark for automatic exposure.
 fn extreme_of(colour: &[[f32; 3]], exposure: Option<f32>) -> Option<&'static str> {
     let luminances = colour.iter().map(|&colour| luminance(colour.into())).filter(|&l| l > 0.0);
     let stops: Vec<f32> = luminances.map(f32::log2).collect();
@@ -243,12 +243,12 @@ fn dataset(folder: &Path, scene: &Scene, settings: &Settings) -> Result<LiveData
 /// Frames that wait for no earlier one.
 const IN_FLIGHT: usize = 2;
 
-/// What came of the frames of a run.
+/// The results of a run.
 struct Rendered {
     reports: Vec<FrameReport>,
-    /// From one frame to the next, median: the time of the loop without what writes pictures.
+    /// Time from one frame to the next, median: that of the loop without writing pictures.
     interval_ms: Option<f64>,
-    /// What is extreme about the last picture.
+    /// The warning about the last picture.
     extreme: Option<&'static str>,
 }
 

@@ -21,7 +21,7 @@ pub(super) fn warning(message: &str) {
     say("warning", message);
 }
 
-/// What is wrong with a picture that is black.
+/// Advice for a picture that is black.
 pub(super) const BLACK: &str = "the picture is black: the camera sees no surface that light reaches; change --eye and --target, or the lights";
 
 /// Prints a note, in one line.

@@ -37,7 +37,7 @@ pub(super) struct AnimationOption {
 }
 
 impl AnimationOption {
-    /// What is asked of a file that is seen by the scene's camera, but for what `camera` overrides.
+    /// Options to load a file that is seen by the scene's camera, but for the parts that `camera` overrides.
     pub fn seen_by(&self, camera: CameraOverride) -> LoadOptions {
         LoadOptions { animation: self.animation.clone(), seen_by: camera }
     }

@@ -104,7 +104,7 @@ impl DatasetDenoiser {
         })
     }
 
-    /// What keeps a frame from following the first one, if anything.
+    /// The reason why a frame cannot follow the first one, if there is one.
     pub fn misfit(&self, given: &DenoiserFrame) -> Option<String> {
         let (instances, needed) = (given.instances.len().max(1), self.scene.instances.len());
         let thin: &[_] = if self.thin_surfaces.is_some() { &DenoiserFrame::THIN_SURFACES } else { &[] };
@@ -231,7 +231,7 @@ impl DatasetDenoiser {
 
 impl Drop for DatasetDenoiser {
     fn drop(&mut self) {
-        // What the passes own may still be in use by a frame in flight.
+        // A frame in flight may still use the images of the passes.
         let _ = self.device.wait_idle();
     }
 }
@@ -284,7 +284,7 @@ fn texels_of(name: &str, pixels: &[[f32; 4]]) -> (Vec<u8>, u64) {
     }
 }
 
-/// Rounded to nearest, as the shaders do, and no further than the largest half; what is not finite stays so.
+/// Rounded to nearest, as the shaders do, and no further than the largest half; infinity and NaN stay so.
 fn halves<const N: usize>(pixels: &[[f32; 4]]) -> Vec<[u16; N]> {
     let bound = f16::MAX.to_f32();
     let half = |value: f32| f16::from_f32(if value.is_finite() { value.clamp(-bound, bound) } else { value });

@@ -30,15 +30,15 @@ pub(super) const RGBA: [&str; 4] = ["R", "G", "B", "A"];
 pub(super) struct FrameState {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// As those of [`DenoiserFrame`].
+    /// The eye, as that of [`DenoiserFrame`].
     pub eye: Vec3,
-    /// See `eye`.
+    /// Rays, as those of [`DenoiserFrame`].
     pub rays: [Vec3; 3],
     /// World to clip space, by columns; w is the view depth.
     pub view_projection: Mat4,
     /// Object to world of each instance, by columns.
     pub instances: Vec<Affine3A>,
-    /// Of the renderer that wrote `live{f}.exr`.
+    /// Reflection limit of the renderer that wrote `live{f}.exr`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reflection_limit: Option<f32>,
 }
@@ -143,8 +143,8 @@ pub struct LiveDataset {
 }
 
 impl LiveDataset {
-    /// What a run needs, if it lacks that, so that its pictures are those of a denoiser over the data set: each is of one frame, which
-    /// follows from those before.
+    /// The settings that a run lacks to write a data set, if any: each picture must be of one frame, noisy, and follow from those before,
+    /// as those of a denoiser over the data set do.
     pub fn lacking(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         if settings.antialiasing != Antialiasing::None || settings.still_frames > 0 {
             Some("--antialiasing none --still-frames 0, so that a picture is of one frame")

@@ -1,4 +1,4 @@
-//! From the files of a frame, in each layout, to what a denoiser is given.
+//! Reads the files of a frame, in each layout, into the inputs of a denoiser.
 
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
@@ -19,7 +19,7 @@ const NONE_MIRRORS: f32 = -1.0;
 type Images = BTreeMap<&'static str, Vec<[f32; 4]>>;
 
 impl DatasetFrames {
-    /// As the renderer wrote it.
+    /// The renderer's own inputs.
     pub(super) fn live(&self, frame: u32) -> Result<DenoiserFrame, DatasetError> {
         let state = self.state(frame)?;
         let (path, picture) = self.picture("live", frame)?;
@@ -40,7 +40,7 @@ impl DatasetFrames {
         ))
     }
 
-    /// Indirect light as the signal; what the GGX lobe reflects is added as if it were mirrored with an albedo of 1.
+    /// Indirect light as the signal; the GGX lobe's reflection is added as if it were mirrored with an albedo of 1.
     pub(super) fn parts(&self, frame: u32) -> Result<DenoiserFrame, DatasetError> {
         let state = self.state(frame)?;
         let rgb = |name: &str| self.rgb(name, frame);
@@ -75,7 +75,7 @@ impl DatasetFrames {
         let state = self.bmfr_state(frame)?;
         let depth = positions.iter().map(|&position| view_depth(&state, position.into()));
         let by_albedo = || colour.iter().zip(&albedo).map(|(c, a)| [0, 1, 2].map(|i| c[i] * a[i]));
-        // What no surface shows is no signal, and no denoiser's output is seen there.
+        // Pixels without a surface hold no signal, and show no denoiser's output.
         let uncovered: Vec<bool> = covered.iter().map(|covered| !covered).collect();
         let background: Vec<[f32; 4]> = masked(by_albedo().map(opaque), &uncovered);
         let images = Images::from([
@@ -109,7 +109,7 @@ impl DatasetFrames {
         Ok(FrameState { size, eye, rays, view_projection, instances, reflection_limit: None })
     }
 
-    /// From where each point was seen in the last frame to its pixel, pixels.
+    /// Motion from where each point was seen in the last frame to its pixel, pixels.
     fn camera_motion(&self, frame: u32, positions: &[[f32; 3]]) -> Vec<[f32; 4]> {
         let (Some(matrices), Some(last)) = (&self.matrices, frame.checked_sub(1)) else {
             return vec![[0.0; 4]; positions.len()];

@@ -63,7 +63,7 @@ fn decimal(value: f32) -> String {
 pub(super) struct Matrices {
     /// World to clip space, a frame each.
     pub matrices: Vec<Mat4>,
-    /// From the top left of a pixel to where it is sampled, x to the right, y up from its lower edge, a frame each.
+    /// Offset from the top left of a pixel to where it is sampled, x to the right, y up from its lower edge, a frame each.
     pub offsets: Vec<Vec2>,
 }
 

@@ -77,7 +77,7 @@ pub enum DatasetError {
 }
 
 impl DatasetError {
-    /// What is wrong with a folder or a file in it, and what to do.
+    /// A folder, or a file in it, that is wrong, and what to do.
     fn of(path: &Path, reason: impl Into<String>) -> Self {
         Self::Folder { path: path.to_owned(), reason: reason.into() }
     }
@@ -105,7 +105,7 @@ pub struct DatasetPlan {
     pub time_step: f64,
 }
 
-/// What data sets had before it was recorded.
+/// Samples a frame of data sets that did not record them.
 fn one() -> u32 {
     1
 }

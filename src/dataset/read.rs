@@ -12,7 +12,7 @@ use crate::renderer::DenoiserFrame;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layout {
-    /// What the renderer gave its denoiser, bit for bit: live{f}.exr of render --dataset.
+    /// The inputs of the renderer's own denoiser, bit for bit: live{f}.exr of render --dataset.
     Live,
     /// The light apart, of which indirect light is denoised: indirect{f}.exr and the others of dataset.
     Parts,
@@ -54,7 +54,7 @@ pub struct DatasetFrames {
     layout: Layout,
     frames: u32,
     pub(super) size: [usize; 2],
-    /// Of the layout of BMFR.
+    /// Matrices of BMFR's layout.
     pub(super) matrices: Option<Matrices>,
     has_references: bool,
 }
@@ -105,7 +105,7 @@ impl DatasetFrames {
         })
     }
 
-    /// What it is read as.
+    /// The layout of the files.
     pub fn layout(&self) -> Layout {
         self.layout
     }

@@ -35,7 +35,7 @@ pub struct DenoiserSettings {
 }
 
 impl DenoiserSettings {
-    /// Those for one use.
+    /// The denoiser settings for one use.
     pub fn of(settings: &Settings, usage: Use) -> Self {
         let bmfr = if usage == Use::Indirect { settings.bmfr } else { BmfrSettings::default() };
         Self { denoise: settings.effects.denoise, svgf: settings.svgf, bmfr }
@@ -61,13 +61,13 @@ pub type MakeDenoiser = fn(&Arc<Device>, &DenoiserDescription) -> Result<Box<dyn
 /// The description of a denoiser. Command line, scene files, reports, benchmarks and the window list what it names.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
-    /// Its value of `--denoise`.
+    /// Value of `--denoise`.
     pub denoise: Denoise,
     /// Makes the denoiser of one use; fails where the device does not support it.
     pub make: MakeDenoiser,
     /// Whether it follows surfaces from frame to frame even where the signal's variance is known.
     pub follows_known_noise: bool,
-    /// Its passes, in the order of the frame.
+    /// Passes, in the order of the frame.
     pub passes: &'static [DenoiserPass],
 }
 

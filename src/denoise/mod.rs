@@ -18,7 +18,7 @@ use crate::report::PassInfo;
 use crate::settings::{Denoise, Registry};
 use crate::vulkan::{Device, Frame, Image, Pass, Upload, VulkanError};
 
-/// What is known of a signal's noise.
+/// Knowledge of a signal's noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SignalNoise {
     /// There is none.
@@ -29,7 +29,7 @@ pub enum SignalNoise {
     Unknown,
 }
 
-/// What a denoiser reads of one frame.
+/// Inputs of a denoiser for one frame.
 pub struct DenoiserInputs<'a> {
     /// `FrameUniforms`.
     pub uniforms: &'a Upload,

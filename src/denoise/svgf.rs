@@ -61,15 +61,15 @@ pub struct Svgf {
     settings: SvgfSettings,
     /// Whether the signal is accumulated as Reinhard's curve has it: the filter's last step expands it.
     is_compressed: bool,
-    /// How far blur reaches where it is adapted to what is of use, pixels; 0 where it is not.
+    /// Radius of an adaptive filter, pixels; 0: it is not adaptive.
     widest: f32,
     /// The mean of the frames so far, in which the newest count the most, after the level that feeds back.
     history: History<Image>,
     /// Moments of its luminance.
     moments: History<Image>,
-    /// Before and after a step of the filter, in turns.
+    /// Images before and after a step of the filter, by turns.
     light: [Image; 2],
-    /// Which of them holds the result; none without a filter: what has accumulated is.
+    /// Which of them holds the result; none without a filter: the history is the result.
     result: Option<usize>,
 }
 
@@ -158,7 +158,7 @@ impl Svgf {
             reads_roughness,
             settings: *settings,
             is_compressed: settings.reinhard && settings.levels > 0,
-            widest: if settings.adaptive { settings.reach() } else { 0.0 },
+            widest: if settings.adaptive { settings.filter_radius() } else { 0.0 },
             history: History::new(|_| image("svgf history"))?,
             moments: History::new(|_| image("svgf moments"))?,
             light: [image("svgf light 0")?, image("svgf light 1")?],
@@ -171,17 +171,17 @@ impl Svgf {
         self.result.map_or(self.history(), |index| &self.light[index])
     }
 
-    /// Of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
+    /// Moments of the last frame: r: mean luminance; g: its standard deviation; b: length of the history, frames.
     pub fn moments(&self) -> &Image {
         self.moments.last()
     }
 
-    /// What the last steps of the filter wrote, in turns, as [`Self::output`].
+    /// Outputs of the last two levels of the filter, as [`Self::output`].
     pub fn light(&self, index: usize) -> &Image {
         &self.light[index]
     }
 
-    /// What the next frame takes as history, as [`Self::output`].
+    /// History for the next frame, as [`Self::output`].
     pub fn history(&self) -> &Image {
         self.history.last()
     }
@@ -210,7 +210,7 @@ impl Svgf {
         Ok(())
     }
 
-    /// Filters it, from image to image. What becomes history goes there instead.
+    /// Filters the signal, from image to image. The level that feeds back writes the history.
     fn blur(&mut self, frame: &mut Frame<'_>, inputs: &DenoiserInputs<'_>) -> Result<(), VulkanError> {
         let SvgfSettings { levels, feedback, .. } = self.settings;
         if levels == 0 {

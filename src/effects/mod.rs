@@ -1,4 +1,4 @@
-//! What rays from the visible surfaces add, noisy and then denoised: soft shadows, reflections.
+//! Effects of rays from the visible surfaces, noisy and then denoised: soft shadows, reflections.
 
 pub mod reflections;
 pub mod soft_shadows;
@@ -15,7 +15,7 @@ use crate::vulkan::{Device, Image, VulkanError};
 pub struct DebugImages<'a> {
     /// The signal as the rays of the last frame have it.
     pub noisy: &'a Image,
-    /// Its denoiser.
+    /// Denoiser.
     pub denoiser: &'a dyn Denoiser,
     /// How the signal itself is shown.
     pub signal: Visualization,

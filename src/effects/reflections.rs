@@ -48,7 +48,7 @@ struct TracePush {
 /// The effect: 140 bytes a pixel.
 pub struct Reflections {
     trace: ComputePipeline,
-    /// Of what hits mirror, if that is the environment alone.
+    /// The split sum, where hits mirror the environment alone.
     split_sum: Option<SplitSum>,
     noisy: Image,
     hit_place: Image,
@@ -58,17 +58,17 @@ pub struct Reflections {
     limit: f32,
 }
 
-/// What is seen in reflections: in smooth surfaces the mirror image of what is hit, elsewhere the surface itself.
+/// The surface seen in reflections: in smooth surfaces the mirror image of the hit, elsewhere the surface itself.
 struct MirrorImage {
-    /// As those of the G-buffer.
+    /// View depth, as that of the G-buffer.
     depth: Image,
-    /// As those of the G-buffer.
+    /// Normals, as those of the G-buffer.
     normal: Image,
-    /// As `Reprojection::surface`.
+    /// Surfaces, as `Reprojection::surface`.
     surfaces: History<Image>,
     /// The instances of what is seen, plus one.
     instances: History<Image>,
-    /// As `Reprojection::reprojected`.
+    /// Where they were, as `Reprojection::reprojected`.
     reprojected: Image,
 }
 
@@ -134,7 +134,7 @@ impl Reflections {
         self.denoiser.output(&self.noisy)
     }
 
-    /// The same as the rays of the last frame have it; a: how wide a blur is of use. The estimator adds to it.
+    /// The signal of the last frame's rays; a: how wide a blur is of use. The estimator adds to it.
     pub fn noisy(&self) -> &Image {
         &self.noisy
     }

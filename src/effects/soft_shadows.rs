@@ -49,7 +49,7 @@ impl SoftShadows {
         DebugImages { noisy: &self.noisy, denoiser: &*self.denoiser, signal: Visualization::Share }
     }
 
-    /// The same as the rays of the last frame have it.
+    /// The signal of the last frame's rays.
     pub fn noisy(&self) -> &Image {
         &self.noisy
     }

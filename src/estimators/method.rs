@@ -10,17 +10,17 @@ use crate::vulkan::VulkanError;
 /// The description of a method. Command line, scene files, reports, benchmarks and the window list what it names.
 #[derive(Clone, Copy, Debug)]
 pub struct Method {
-    /// Its value of `--indirect`, whose name is that of the method. Settings of its own are the group `settings.NAME`.
+    /// Value of `--indirect`, whose name is that of the method. Settings of its own are the group `settings.NAME`.
     pub indirect: Indirect,
     /// A title for people.
     pub label: &'static str,
     /// Makes the estimator; fails where the device does not support it.
     pub make: fn(&EstimatorContext<'_>) -> Result<Box<dyn Estimator>, VulkanError>,
-    /// Its passes.
+    /// Passes.
     pub passes: MethodPasses,
-    /// Its views.
+    /// Views.
     pub views: &'static [View],
-    /// Its counters.
+    /// Counters.
     pub counters: &'static [CounterInfo],
     /// Frames after which the picture of a still scene is complete: benchmarks warm up for so many, `render` draws so many.
     pub warm_up: fn(&Settings) -> u32,
@@ -37,7 +37,7 @@ pub struct Method {
     pub lights_hits: bool,
     /// Whether it gives any light.
     pub gives_light: bool,
-    /// What is known of the noise of its irradiance, which decides how that is denoised.
+    /// Knowledge of the noise of its irradiance, which decides how that is denoised.
     pub noise: SignalNoise,
     /// Pixels from one texel of [`Estimator::signal`] to the next, in each direction.
     pub signal_step: u32,
@@ -48,7 +48,7 @@ pub struct Method {
 pub struct Axis {
     /// Key of the setting.
     pub setting: &'static str,
-    /// Its short form in the short names of methods, if it has one: `T` in `vpls@T=1`.
+    /// Short form in the short names of methods, if it has one: `T` in `vpls@T=1`.
     pub short: Option<&'static str>,
     /// Label in plots and tables.
     pub label: &'static str,
@@ -58,7 +58,7 @@ pub struct Axis {
     pub default_sweep: Option<&'static str>,
     /// Whether a frame at N does about one N-th of the work at 1.
     pub divides_work: bool,
-    /// Its value.
+    /// Value in the settings.
     pub get: fn(&Settings) -> u32,
     /// Sets it, as near to the value as its range and the other settings allow.
     pub set: fn(&mut Settings, u32),
@@ -77,12 +77,12 @@ pub struct HalfResolution {
 }
 
 impl Axis {
-    /// Its value, to be read.
+    /// Value in the settings, as text.
     pub fn text(&self, settings: &Settings) -> String {
         (self.get)(settings).to_string() + self.note(settings)
     }
 
-    /// What tells undivided work at half resolution from that at full resolution.
+    /// Suffix of values of work at half resolution.
     pub fn note(&self, settings: &Settings) -> &'static str {
         if self.half.is_some_and(|half| (half.is)(settings)) { " (half)" } else { "" }
     }
@@ -97,11 +97,11 @@ impl Axis {
 /// A count that a method makes in each frame.
 #[derive(Clone, Copy, Debug)]
 pub struct CounterInfo {
-    /// Its key in reports; dots nest.
+    /// Key in reports; dots nest.
     pub name: &'static str,
-    /// Its name in tables; none: it is in files alone.
+    /// Name in tables; none: it is in files alone.
     pub label: Option<&'static str>,
-    /// Its colour in the window's plot, sRGB; none: it is not plotted.
+    /// Colour in the window's plot, sRGB; none: it is not plotted.
     pub colour: Option<[u8; 3]>,
 }
 

@@ -70,7 +70,7 @@ pub trait Estimator: Any + Send {
         true
     }
 
-    /// The work of a frame on the CPU, while the device draws the frame before. What it samples in a still frame follows from the
+    /// The work of a frame on the CPU, while the device draws the frame before. Samples of a still frame follow from the
     /// number of that alone. Gives the milliseconds of each CPU pass.
     fn update(&mut self, _world: World<'_>, _clock: &FrameClock) -> Vec<f64> {
         Vec::new()
@@ -210,7 +210,7 @@ impl DebugView {
         self.buffer == COMBINED && self.options.is_empty()
     }
 
-    /// The options of a method's views. What is not set has its default.
+    /// The options of a method's views. Options that are not set have their defaults.
     pub fn options<Options: DeserializeOwned + Default>(&self) -> Options {
         serde_json::from_value(Value::Object(self.options.clone())).unwrap_or_default()
     }
@@ -249,7 +249,7 @@ impl Default for DebugView {
 
 /// A method's view reads and writes these.
 pub struct ViewInputs<'a> {
-    /// Its passes have read these.
+    /// Inputs that the estimator's passes have read.
     pub frame: &'a FrameInputs<'a>,
     /// Factor of the picture's exposure.
     pub exposure: &'a Buffer,

@@ -25,7 +25,7 @@ impl RayCounters {
         frame.clear(&self.0);
     }
 
-    /// What the shaders write, and what is read back.
+    /// The sums that shaders write, and that are read back.
     pub fn buffer(&self) -> &Buffer {
         &self.0
     }

@@ -1,4 +1,4 @@
-//! An export in progress: what the exporters of lights, materials and shapes share.
+//! An export in progress, shared by the exporters of lights, materials and shapes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +13,7 @@ use crate::scene::{Light, LightKind, Pose, Scene};
 pub struct ExportSettings {
     /// Frame of the animation, for the report.
     pub frame: u64,
-    /// Its time, seconds.
+    /// Time, seconds.
     pub time: f64,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -54,7 +54,7 @@ pub struct ExportReport {
     pub format: &'static str,
     /// Frame of the animation.
     pub frame: u64,
-    /// Its time, seconds.
+    /// Time, seconds.
     pub time: f64,
     /// Width and height in pixels.
     pub size: [u32; 2],

@@ -27,7 +27,7 @@ pub enum ExportError {
     NoParent {
         /// The folder of the export.
         out: PathBuf,
-        /// Its parent.
+        /// Parent.
         parent: PathBuf,
     },
     /// A file has the folder's name.

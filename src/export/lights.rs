@@ -113,7 +113,7 @@ impl Export<'_> {
 /// Distance of the disc of a directional light, in radii of the scene: seen from all of it in about the same direction.
 const FAR: f32 = 1e4;
 
-/// Its largest half angle, radians: a plane that fills the hemisphere has no end.
+/// Largest half angle, radians: a plane that fills the hemisphere has no end.
 const WIDEST: f32 = 1.55;
 
 /// A shape as an emitter that rays pass through, as through a portal.

@@ -3,8 +3,8 @@
 //! In: a material. Out: its `<bsdf>`, and the image files that it references.
 //!
 //! A Lambertian surface is `twosided` `diffuse`. Others are `glowworm`, the BSDF of glowworm_bsdf.py; for those who render
-//! without that file there is Mitsuba's `principled`, which comes near. What is cut out, and the coverage of a thin surface,
-//! is a `mask` around either. The base colour is multiplied into the texels, at 16 bits a channel, since Mitsuba has no
+//! without that file there is Mitsuba's `principled`, which comes near. Alpha masks, and the coverage of a thin surface,
+//! are a `mask` around either. The base colour is multiplied into the texels, at 16 bits a channel, since Mitsuba has no
 //! product of a colour and a texture; metallic and roughness likewise.
 
 use std::io::{self, Cursor, Write};

@@ -46,8 +46,8 @@ const CHANGING_FRAMES: u32 = 8;
 /// Frames after a change in which a mean is of the newest frame alone, so that light that went from cell to cell is gone.
 const FLUSHING_FRAMES: u32 = 4;
 
-/// Of the window by each frame, where light of further bounces takes frames to arrive: a mean of all frames since would hold the dark
-/// first ones too long, as it then nears the light of all bounces by a power of the frames of only 1 less the albedo.
+/// Growth of the window by each frame, where light of further bounces takes frames to arrive: a mean of all frames since would hold the
+/// dark first ones too long, as it then nears the light of all bounces by a power of the frames of only 1 less the albedo.
 const GROWTH: f32 = 0.25;
 
 /// `CellPush` in shaders/filters/cell_push.glsl.
@@ -135,7 +135,7 @@ impl CellBuffers {
     }
 }
 
-/// What light in cells depends on, to forget sooner what has changed.
+/// Causes of the light in cells, to forget sooner what has changed.
 #[derive(Default)]
 struct LitBy {
     lights: Vec<Light>,
@@ -175,7 +175,7 @@ impl CellFilter {
     pub(super) fn new(device: &Arc<Device>, settings: &Settings) -> Result<Self, VulkanError> {
         let count = vertices(settings);
         let is_cache = settings.paths.filter == PathFilter::Cache;
-        // What is behind the last layer is not known, so that would be a mean of the paths alone that end there.
+        // The light behind the last layer is not known, so its mean would be of the paths alone that end there.
         let last = count.saturating_sub(2);
         let cache = u32::from(is_cache);
         let continues = u32::from(settings.paths.filter.continues());

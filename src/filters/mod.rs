@@ -34,7 +34,7 @@ pub struct PathVertices {
     pub places: Image,
     /// RG32UI.
     pub lights: Image,
-    /// Of the vertex that the next frame goes on from: its number in its path, from 1; 0: it begins anew. R32UI.
+    /// Number in its path, from 1, of the vertex that the next frame goes on from; 0: the path begins anew. R32UI.
     pub depths: Image,
 }
 
@@ -70,7 +70,7 @@ pub fn vertices(settings: &Settings) -> u32 {
     }
 }
 
-/// What a filter reads of a frame.
+/// Inputs of a filter for one frame.
 pub struct FilterInputs<'a> {
     /// Irradiance of the visible surfaces by their own paths, RGBA16F.
     pub irradiance: &'a Image,
@@ -177,7 +177,7 @@ impl Filter {
     }
 }
 
-/// What a pixel spreads to over a distance of 1.
+/// Width of a pixel at a distance of 1.
 fn pixel_spread(inputs: &FrameInputs<'_>, extent: [u32; 2]) -> f32 {
     2.0 * (inputs.pose.camera.vertical_fov * 0.5).tan() / extent[1] as f32
 }

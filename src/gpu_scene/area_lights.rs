@@ -20,13 +20,13 @@ pub struct AreaLightData {
     pub facing: Vec4,
     /// rgb: radiance times area, the sum of its emitters, W/sr.
     pub power: Vec4,
-    /// Of its emitters.
+    /// Index of its first emitter.
     pub first: u32,
-    /// Of emitters.
+    /// Number of its emitters.
     pub count: u32,
     /// Whether rays can hit it.
     pub is_visible: u32,
-    /// Of its emitters.
+    /// Area of its emitters.
     pub area: f32,
 }
 
@@ -42,13 +42,13 @@ pub struct Emitter {
     pub edge_v: Vec4,
     /// rgb: radiance; w: index of its alpha mask plus one, as bits.
     pub radiance: Vec4,
-    /// Of the mask: first and second corner.
+    /// Coordinates on the mask of the first and the second corner.
     pub uvs: Vec4,
     /// xy: third corner; zw: alphas of the corners, half floats as bits.
     pub uv: Vec4,
 }
 
-/// What the tables depend on.
+/// Inputs of the tables.
 #[derive(PartialEq)]
 struct Key {
     lights: Vec<(usize, Vec<AreaTriangle>, Affine3A)>,
@@ -59,7 +59,7 @@ struct Key {
 pub struct AreaLights {
     lights: Vec<AreaLightData>,
     emitters: Vec<Emitter>,
-    /// Of each instance the index of its light plus one, or 0.
+    /// The index of each instance's light plus one, or 0.
     of_instance: Vec<u32>,
     key: Option<Key>,
 }

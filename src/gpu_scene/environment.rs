@@ -1,6 +1,6 @@
 //! The environment's map in device memory.
 //!
-//! In: the environment of a scene. Out: what shaders/include/environment.glsl reads: the map, and the same without its suns.
+//! In: the environment of a scene. Out: images for shaders/include/environment.glsl: the map, and the map without its suns.
 
 use std::sync::Arc;
 
@@ -57,7 +57,7 @@ impl EnvironmentTexture {
         })
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 3] {
         [
             ("environment_map", (&self.image, &self.sampler).into()),

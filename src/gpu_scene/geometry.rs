@@ -32,7 +32,7 @@ pub(super) struct Geometry {
     pub second_uvs: Vec<Vec2>,
     /// Linear colour and alpha of all vertices, half floats; of none if all are white.
     pub colours: Vec<[u32; 2]>,
-    /// Of the triangles in clusters, for raster.
+    /// Indices of the triangles in clusters, for raster.
     pub indices: Vec<u32>,
     /// First index and clusters of each mesh.
     meshes: Vec<(u32, Vec<Cluster>)>,

@@ -1,4 +1,4 @@
-//! What shaders read of the surfaces that rays hit, besides what raster passes have: for shaders/include/hit.glsl.
+//! Surfaces that rays hit, besides the buffers of raster passes: for shaders/include/hit.glsl.
 //!
 //! Rays hit any material, and without descriptor indexing a shader cannot choose among images, so all mip chains lie one after
 //! the other in one texel buffer, a word for each texel of 8 bits a channel and two for half floats, which costs 5.3 bytes a
@@ -48,7 +48,7 @@ impl HitBuffers {
         })
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 3] {
         [
             ("corners", (&self.corners).into()),

@@ -43,7 +43,7 @@ pub struct GpuScene {
     lights: Vec<LightData>,
 }
 
-/// What a frame has uploaded: instances and lights as they stand.
+/// Uploads of a frame: instances and lights as they stand.
 pub struct FrameScene {
     instances: Arc<Buffer>,
     lights: Upload,
@@ -71,7 +71,7 @@ impl GpuScene {
         })
     }
 
-    /// What raster draws.
+    /// The buffers that raster draws.
     pub fn buffers(&self) -> &SceneBuffers {
         &self.buffers
     }
@@ -168,7 +168,7 @@ impl GpuScene {
     }
 }
 
-/// What differs for another scene of the same geometry.
+/// Parts that differ for another scene of the same geometry.
 pub struct SceneChanges {
     materials: (Buffer, Vec<bool>),
     environment: Option<EnvironmentTexture>,

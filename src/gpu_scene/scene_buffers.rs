@@ -45,7 +45,7 @@ pub struct SceneBuffers {
     pub environment: EnvironmentTexture,
     /// All clusters of all visible instances but those of thin surfaces, by material: what the G-buffer may draw.
     pub draws: Vec<Draw>,
-    /// What of the G-buffer's shader each material needs: 1 for an alpha mask, 2 for more than one set of plain texture
+    /// Variant of the G-buffer's shader for each material: 1 for an alpha mask, 2 for more than one set of plain texture
     /// coordinates.
     pub variants: Vec<usize>,
     /// Whether the back of each material does not show.
@@ -56,7 +56,7 @@ pub struct SceneBuffers {
     first_triangles: Vec<u32>,
     /// [`InstanceData`] of all instances.
     instances: Mirror,
-    /// What is in there.
+    /// Content of `instances`.
     uploaded: Vec<InstanceData>,
     /// Where everything stood in the frame before.
     previous: Vec<Affine3A>,
@@ -112,8 +112,8 @@ impl SceneBuffers {
         })
     }
 
-    /// What differs for a scene that [is built like](Scene::same_geometry_and_bindings) this one: the materials, and the environment if its map
-    /// is another one.
+    /// Parts that differ for a scene that [is built like](Scene::same_geometry_and_bindings) this one: the materials, and the environment if its
+    /// map is another one.
     pub fn for_scene(
         &self,
         device: &Arc<Device>,
@@ -140,7 +140,7 @@ impl SceneBuffers {
         }
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 7] {
         let [map, sky, distribution] = self.environment.resources();
         [
@@ -207,7 +207,7 @@ impl SceneBuffers {
         &self.previous
     }
 
-    /// What was uploaded last.
+    /// The instances of the last upload.
     pub fn uploaded_instances(&self) -> &[InstanceData] {
         &self.uploaded
     }
@@ -269,7 +269,7 @@ pub(super) fn dark_behind(scene: &Scene) -> Vec<bool> {
     scene.materials.iter().map(is_dark).collect()
 }
 
-/// What of the G-buffer's shader a material needs: see [`variants`](SceneBuffers::variants).
+/// Variant of the G-buffer's shader for a material: see [`variants`](SceneBuffers::variants).
 fn variant(material: &Material, colour: Option<Vec3>) -> usize {
     let is_plain = |texture: TextureUse| {
         let TextureUse { wrap, nearest, minified, .. } = texture;

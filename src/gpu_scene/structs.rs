@@ -28,13 +28,13 @@ impl From<&Ray> for GpuRay {
     }
 }
 
-/// What every pass of a frame may want to know; `FrameUniforms` in shaders/include/frame.glsl.
+/// Uniforms of a frame, for every pass; `FrameUniforms` in shaders/include/frame.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct FrameUniforms {
     /// World to clip, reversed depth.
     pub view_projection: Mat4,
-    /// The same, one frame ago, without jitter.
+    /// World to clip one frame ago, without jitter.
     pub previous_view_projection: Mat4,
     /// xyz: world position; w: radius of the scene's bounding sphere.
     pub eye: Vec4,
@@ -46,21 +46,21 @@ pub struct FrameUniforms {
     pub ray_x: Vec4,
     /// xyz: down times the tangent of half the vertical field of view.
     pub ray_y: Vec4,
-    /// Of the picture, pixels.
+    /// Width and height of the picture, pixels.
     pub size: [u32; 2],
     /// Point, spot and directional lights.
     pub light_count: u32,
     /// Number of the frame in the sequence of random numbers.
     pub noise_frame: u32,
-    /// From the middle of a pixel to where it is sampled, pixels.
+    /// Offset from the middle of a pixel to where it is sampled, pixels.
     pub jitter: Vec2,
-    /// Of random numbers.
+    /// Seed of random numbers.
     pub seed: u32,
     /// Lights, from the first one on, whose direct light is `direct`; estimators sample the others.
     pub direct_lights: u32,
     /// Roughness around which rays cease to trace what surfaces mirror; 2: always, -1: never.
     pub reflection_limit: f32,
-    /// What of a pixel's width textures are averaged over.
+    /// Share of a pixel's width over which textures are averaged.
     pub footprint: f32,
     /// The tone curve: see [`ToneMap`](crate::settings::ToneMap).
     pub tone_map: u32,
@@ -78,7 +78,7 @@ pub struct InstanceData {
     pub world_to_object: [Vec4; 3],
     /// Rows of the 3x4 matrix, one frame ago.
     pub previous_object_to_world: [Vec4; 3],
-    /// rgb: what its materials' emission is multiplied by.
+    /// rgb: factor on its materials' emission.
     pub emission: Vec4,
     /// 1: its transform swaps left and right, so triangles wind the other way.
     pub flips_winding: u32,
@@ -106,19 +106,19 @@ pub struct MaterialData {
     pub mean_albedo: Vec4,
     /// Index of the alpha mask plus one, 0: none.
     pub mask: u32,
-    /// What the slopes of its normal map are multiplied by.
+    /// Factor on the slopes of its normal map.
     pub normal_scale: f32,
     /// [`COLOURED`], [`SINGLE_SIDED`], [`EMITS_ON_BOTH_SIDES`], [`UNLIT`].
     pub flags: u32,
     /// Unused.
     pub pad1: u32,
-    /// Of the base colour.
+    /// Texture of the base colour.
     pub base_texture: TextureUseData,
-    /// Green: roughness, blue: metallic.
+    /// Texture of roughness (green) and metallic (blue).
     pub metallic_roughness_texture: TextureUseData,
-    /// Of the emission.
+    /// Texture of the emission.
     pub emission_texture: TextureUseData,
-    /// Of the normal.
+    /// Texture of the normal.
     pub normal_texture: TextureUseData,
 }
 
@@ -186,9 +186,9 @@ pub struct LightData {
     pub power: Vec4,
     /// 0 point, 1 spot, 2 directional.
     pub kind: u32,
-    /// Of the sphere that shines (point, spot), world units; 0 for a point.
+    /// Radius of the sphere that shines (point, spot), world units; 0 for a point.
     pub radius: f32,
-    /// Of the disc that shines (directional), radians; 0 for parallel light.
+    /// Half angle of the disc that shines (directional), radians; 0 for parallel light.
     pub half_angle: f32,
     /// Unused.
     pub pad2: u32,
@@ -200,7 +200,7 @@ pub struct LightData {
 pub struct OverlayLine {
     /// xyz: world position of one end; w: width in pixels.
     pub from_width: Vec4,
-    /// xyz: of the other end; w: what the opacity of hidden parts is multiplied by.
+    /// xyz: of the other end; w: factor on the opacity of hidden parts.
     pub to_hidden: Vec4,
     /// Display values, opacity.
     pub colour: Vec4,

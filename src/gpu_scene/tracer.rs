@@ -1,4 +1,4 @@
-//! The ray tracer of the shaders: what `shaders/include/tracer.glsl` traces rays with.
+//! The ray tracer of the shaders, behind `shaders/include/tracer.glsl`.
 
 use std::sync::Arc;
 
@@ -27,10 +27,10 @@ impl RayTracer {
     }
 }
 
-/// What shaders that trace rays, or read what these found, are made for.
+/// Variant of shaders that trace rays, or read the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TracerVariant {
-    /// What traces the rays.
+    /// The tracer.
     pub tracer: RayTracer,
     /// Whether the scene has thin surfaces: `HAS_THIN_SURFACES` in shaders.
     pub thin_surfaces: bool,
@@ -140,7 +140,7 @@ impl Tracer {
         }
     }
 
-    /// Its part of the scene set: all that shaders/include/tracer.glsl reads.
+    /// Part of the scene set: all that shaders/include/tracer.glsl reads.
     pub fn resources(&self) -> Vec<Named<'_>> {
         let mut resources: Vec<Named<'_>> = vec![
             ("bvh_masks", (&self.masks).into()),

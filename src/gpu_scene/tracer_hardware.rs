@@ -82,7 +82,7 @@ impl HardwareTracer {
         Ok(())
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 3] {
         [
             ("bvh_top_level", (&self.top).into()),

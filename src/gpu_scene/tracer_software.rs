@@ -58,7 +58,7 @@ impl SoftwareTracer {
         Ok(())
     }
 
-    /// Its part of the scene set.
+    /// Part of the scene set.
     pub fn resources(&self) -> [Named<'_>; 4] {
         [
             ("bvh_nodes", (&self.nodes).into()),

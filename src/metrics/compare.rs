@@ -50,7 +50,7 @@ pub struct Metrics {
     /// Mean over the pixels of the relative error of luminance, |a - b| / max(b, 1 % of the mean of b);
     /// infinite if the whole reference is black and the picture is not.
     pub mean_relative_error: f64,
-    /// Its 95th percentile over the pixels (nearest rank).
+    /// 95th percentile of the relative error over the pixels (nearest rank).
     pub p95_relative_error: f64,
     /// The relative error of the means over blocks of pixels.
     pub blocks: Blocks,

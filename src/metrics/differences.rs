@@ -21,9 +21,9 @@ pub struct Blocks {
     pub side: usize,
     /// Number of blocks.
     pub count: usize,
-    /// Their mean.
+    /// Mean relative error.
     pub mean_relative_error: f64,
-    /// Their 95th percentile.
+    /// 95th percentile of the relative errors.
     pub p95_relative_error: f64,
     /// The fraction of blocks with an error of at most 0.03.
     pub within_3_percent: f64,

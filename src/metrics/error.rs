@@ -37,11 +37,11 @@ pub enum MetricsError {
     Size {
         /// The picture.
         image: String,
-        /// Its width and height in pixels.
+        /// Width and height in pixels.
         size: [usize; 2],
         /// The reference.
         reference: String,
-        /// Its width and height in pixels.
+        /// Width and height of the reference in pixels.
         reference_size: [usize; 2],
     },
     /// A picture of display values against one of linear values.

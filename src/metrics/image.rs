@@ -66,7 +66,7 @@ impl Image {
         Ok(Self { name, size, encoding, pixels })
     }
 
-    /// Its name in errors: the file, with its layer.
+    /// Name in errors: the file, with its layer.
     pub fn name(&self) -> &str {
         &self.name
     }

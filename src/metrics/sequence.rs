@@ -54,12 +54,13 @@ pub struct Sequence {
     still_reference: bool,
     frames: Vec<FrameMetrics>,
     /// The last picture and its reference: name, size, luminances.
-    last: Option<[Seen; 2]>,
+    last: Option<[LuminanceImage; 2]>,
     /// The display luminances of the last picture.
     last_display: Option<Vec<f64>>,
 }
 
-type Seen = (String, [usize; 2], Vec<f64>);
+/// Name, width and height, luminance of each pixel.
+type LuminanceImage = (String, [usize; 2], Vec<f64>);
 
 impl Sequence {
     /// An empty sequence. With a `still_reference` every frame is compared with the same picture.

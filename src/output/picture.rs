@@ -22,9 +22,9 @@ pub struct Picture {
 /// A named part of a picture, such as the normals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layer {
-    /// Its name, such as direct, indirect, albedo, normal, position, depth or instance.
+    /// Name, such as direct, indirect, albedo, normal, position, depth or instance.
     pub name: String,
-    /// Its channels by name (`R`, `G`, `B` for colours, `X`, `Y`, `Z` for vectors, `Z` for depth).
+    /// Channels by name (`R`, `G`, `B` for colours, `X`, `Y`, `Z` for vectors, `Z` for depth).
     pub channels: Vec<(String, Vec<f32>)>,
 }
 

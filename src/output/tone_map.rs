@@ -7,7 +7,7 @@ use glam::{Mat3, Vec3};
 use super::picture::Picture;
 use crate::settings::{Settings, ToneMap};
 
-/// What the median of the picture becomes.
+/// Exposed luminance of the picture's median.
 const MIDDLE_GREY: f32 = 0.18;
 
 /// The percentile that is kept below white, and by how many stops at most the picture gets darker for it.

@@ -17,7 +17,7 @@ pub struct View {
     pub name: &'static str,
     /// A short name for people.
     pub label: &'static str,
-    /// What it shows.
+    /// Description of the view.
     pub about: &'static str,
 }
 
@@ -83,11 +83,11 @@ pub fn number_of(name: &str) -> Option<u32> {
     VIEWS.iter().zip(0..).find(|(view, _)| view.name == name).map(|(_, number)| number)
 }
 
-/// What the pass reads and writes.
+/// Inputs and outputs of the pass.
 pub struct BufferViewInputs<'a> {
-    /// What every pass of the frame is given.
+    /// The frame's inputs.
     pub frame: &'a FrameInputs<'a>,
-    /// What arrives of each light at each pixel.
+    /// Share of each light that reaches each pixel.
     pub direct_shadows: &'a Image,
     /// Direct radiance.
     pub direct: &'a Image,

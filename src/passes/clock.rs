@@ -164,7 +164,7 @@ impl FrameClock {
         (still + still / period) % CHECKERBOARD_PHASES
     }
 
-    /// From the middle of a pixel to where it is sampled, pixels.
+    /// Offset from the middle of a pixel to where it is sampled, pixels.
     pub fn jitter(&self) -> Vec2 {
         if !self.is_jittered {
             return Vec2::ZERO;
@@ -179,8 +179,8 @@ impl FrameClock {
     }
 }
 
-/// A point of the pixel from -1/2 to 1/2: of the Sobol sequence, scrambled so that the first lies next to the middle. Of each run of
-/// 4, 16, 64 ... points all equal parts of the pixel have as many. Closer to the integral over the pixel than the Halton sequence.
+/// A point of the pixel from -1/2 to 1/2, of the Sobol sequence, scrambled so that the first lies next to the middle. Each run of 4, 16,
+/// 64 ... points has as many in all equal parts of the pixel. Closer to the integral over the pixel than the Halton sequence.
 fn jitter(index: u32) -> Vec2 {
     let [mut x, mut y] = [0x8888u16; 2];
     // The generator matrices of the first two dimensions, column by column.

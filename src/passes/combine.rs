@@ -17,7 +17,7 @@ const BINS: usize = 256;
 /// Pixels from one that the histogram counts to the next, in both directions. Twin: `STEP` in shaders/passes/exposure.comp.
 const STEP: u32 = 4;
 
-/// What the pass reads.
+/// Inputs of the pass.
 pub struct CombineInputs<'a> {
     /// Frame uniforms.
     pub frame: &'a Upload,
@@ -29,9 +29,9 @@ pub struct CombineInputs<'a> {
     pub albedo: &'a Image,
     /// Directional albedo of the GGX lobe.
     pub specular_albedo: &'a Image,
-    /// What is seen of thin surfaces, in scenes that have them.
+    /// Images of thin surfaces, in scenes that have them.
     pub thin_surfaces: Option<&'a ThinSurfaceImages>,
-    /// What the GGX lobe mirrors, over its directional albedo; where rays trace it.
+    /// Radiance that the GGX lobe mirrors, over its directional albedo; where rays trace it.
     pub reflection: Option<&'a Image>,
 }
 
@@ -98,12 +98,12 @@ impl CombinePass {
         })
     }
 
-    /// What the last frame shows: RGBA8, sRGB-encoded.
+    /// The picture of the last frame: RGBA8, sRGB-encoded.
     pub fn display(&self) -> &Image {
         &self.display
     }
 
-    /// What radiance is multiplied by before it is shown.
+    /// The exposure: factor of radiance before it is shown.
     pub fn exposure(&self) -> &Buffer {
         &self.factor
     }

@@ -1,5 +1,5 @@
-//! `direct_shading`: what point, spot and directional lights send straight to the surface, diffuse and
-//! specular; what surfaces emit; the environment behind them.
+//! `direct_shading`: direct radiance of point, spot and directional lights, diffuse and
+//! specular; emission of surfaces; the environment behind them.
 
 use std::sync::Arc;
 
@@ -7,16 +7,16 @@ use super::frame_inputs::FrameInputs;
 use super::{storage_image, storage_image_array};
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// What arrives of the lights at each pixel.
+/// Share of the lights that reaches each pixel.
 #[derive(Clone, Copy)]
 pub enum Shadows<'a> {
-    /// Of each light by itself: see `DirectShadowsPass::record`.
+    /// The share of each light by itself: see `DirectShadowsPass::record`.
     Hard(&'a Image),
-    /// Of all, over what would without shadows; RGBA16F.
+    /// Radiance of all lights, shadowed over unshadowed; RGBA16F.
     Soft {
-        /// What is shown.
+        /// The denoised image, which is shown.
         denoised: &'a Image,
-        /// By the rays of the frame alone.
+        /// The image of this frame's rays alone.
         sampled: &'a Image,
     },
     /// Nothing: the estimator has their light.
@@ -26,11 +26,11 @@ pub enum Shadows<'a> {
 /// Variants of the shader; their numbers have twins in shaders/passes/direct_shading.comp.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum DirectShader {
-    /// For [`Shadows::Hard`].
+    /// Variant for [`Shadows::Hard`].
     Hard,
-    /// For [`Shadows::Soft`].
+    /// Variant for [`Shadows::Soft`].
     Soft,
-    /// For [`Shadows::None`].
+    /// Variant for [`Shadows::None`].
     Unlit,
 }
 
@@ -105,7 +105,7 @@ impl DirectShadingPass {
         direct: &Image,
     ) -> Result<(), VulkanError> {
         let gbuffer = inputs.gbuffer;
-        // What other kinds of shadows would read is bound, and not read.
+        // Images for other kinds of shadows are bound, and not read.
         let (mask, shadow) = match shadows {
             Shadows::Hard(mask) => (mask, &gbuffer.albedo),
             Shadows::Soft { denoised, .. } => (&self.no_mask, denoised),

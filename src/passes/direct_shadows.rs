@@ -1,4 +1,4 @@
-//! `direct_shadows`: what arrives of each light at each pixel, by one ray for each light that it faces.
+//! `direct_shadows`: visibility of each light from each pixel, by one ray for each light that it faces.
 //!
 //! In: the visible surfaces and the lights. Out: a bit for each light or, in scenes with thin surfaces, the colour that these let
 //! pass. Rays need no bias that would leak light through walls without thickness or lose shadows under a grazing light.
@@ -10,7 +10,7 @@ use super::storage_image_array;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// Lights of which a texel of one layer tells. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
+/// Lights in a texel of one layer. Twin: `LIGHTS_PER_LAYER` in shaders/include/lights.glsl.
 fn lights_per_layer(thin_surfaces: bool) -> u32 {
     if thin_surfaces { 1 } else { 32 }
 }
@@ -19,7 +19,7 @@ fn lights_per_layer(thin_surfaces: bool) -> u32 {
 pub struct DirectShadowsPass {
     tracer: TracerVariant,
     pipeline: ComputePipeline,
-    /// Bit i of layer l: whether the pixel sees light 32 l + i; with thin surfaces, layer i: what arrives of light i, packed.
+    /// Bit i of layer l: whether the pixel sees light 32 l + i; with thin surfaces, layer i: the transmittance towards light i, packed.
     visibility: Image,
     device: Arc<Device>,
 }
@@ -31,7 +31,7 @@ impl DirectShadowsPass {
         Ok(Self { tracer, pipeline, visibility: visibility(device, extent, 1)?, device: Arc::clone(device) })
     }
 
-    /// What the last frame wrote.
+    /// The masks of the last frame.
     pub fn output(&self) -> &Image {
         &self.visibility
     }

@@ -1,4 +1,4 @@
-//! What every estimator, effect and denoiser is given of a frame; always complete.
+//! Inputs of every estimator, effect and denoiser for a frame; always complete.
 
 use super::clock::FrameClock;
 use super::gbuffer::GBuffer;

@@ -38,7 +38,7 @@ const ATTRIBUTES: [(vk::Format, u32); 4] = [
 /// raster rounds places, and a back that is met first would flash black.
 const BEHIND: f32 = -1.0;
 
-/// What the pass writes.
+/// Outputs of the pass.
 pub struct GBuffer {
     /// View depth, 0 where no surface is.
     pub depth: Image,
@@ -52,7 +52,7 @@ pub struct GBuffer {
     pub surface: Image,
     /// How far the surface has moved in the picture since the last frame, in pixels, right and down.
     pub motion: Image,
-    /// What raster compares by.
+    /// Depth buffer of raster.
     nearest: Image,
 }
 
@@ -79,19 +79,19 @@ impl GBuffer {
     }
 }
 
-/// What the pass reads.
+/// Inputs of the pass.
 pub struct GBufferInputs<'a> {
     /// `FrameUniforms`.
     pub uniforms: &'a Upload,
     /// Set 1: the scene.
     pub scene: &'a SharedSet<'a>,
-    /// What of the scene raster draws.
+    /// The buffers that raster draws.
     pub buffers: &'a SceneBuffers,
     /// Where everything stands.
     pub pose: &'a Pose,
     /// World to clip space, as in the frame uniforms.
     pub view_projection: Mat4,
-    /// The same without jitter, now and one frame ago.
+    /// World to clip space without jitter, now and one frame ago.
     pub unjittered: [Mat4; 2],
 }
 
@@ -134,7 +134,7 @@ impl GBufferPass {
         Ok(Self { pipeline, materials: Arc::new(materials), targets: GBuffer::new(device, extent)? })
     }
 
-    /// The same pass for pictures of `extent` texels.
+    /// This pass for pictures of `extent` texels.
     pub fn resized(&self, device: &Arc<Device>, extent: [u32; 2]) -> Result<Self, VulkanError> {
         Ok(Self {
             pipeline: self.pipeline.clone(),
@@ -143,7 +143,7 @@ impl GBufferPass {
         })
     }
 
-    /// What the last frame wrote.
+    /// The G-buffer of the last frame.
     pub fn output(&self) -> &GBuffer {
         &self.targets
     }

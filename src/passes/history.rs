@@ -1,4 +1,4 @@
-//! Two copies of a resource: what this frame writes and what the last frame wrote.
+//! Two copies of a resource: one that this frame writes, and the one that the last frame wrote.
 
 /// This frame's and the last frame's images, which swap places in [`History::advance`].
 pub struct History<T> {
@@ -11,7 +11,7 @@ impl<T> History<T> {
     /// Makes both copies; neither holds anything yet.
     ///
     /// # Errors
-    /// Those of `make`, which is given the number of the copy.
+    /// The copies by `make`, which is given the number of the copy.
     pub fn new<E>(mut make: impl FnMut(usize) -> Result<T, E>) -> Result<Self, E> {
         Ok(Self { copies: [make(0)?, make(1)?], last: None })
     }
@@ -21,12 +21,12 @@ impl<T> History<T> {
         self.last.is_some()
     }
 
-    /// What the last frame wrote; undefined where the history is not valid.
+    /// The copy that the last frame wrote; undefined where the history is not valid.
     pub fn last(&self) -> &T {
         &self.copies[self.last.unwrap_or_default()]
     }
 
-    /// What this frame writes.
+    /// The copy that this frame writes.
     pub fn next(&self) -> &T {
         &self.copies[1 - self.last.unwrap_or_default()]
     }

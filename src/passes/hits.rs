@@ -1,4 +1,4 @@
-//! What reflection rays have hit beyond the screen, for estimators to light.
+//! Hits of reflection rays beyond the screen, for estimators to light.
 
 use crate::vulkan::Image;
 

@@ -36,7 +36,7 @@ pub(crate) fn storage_image(
     Image::new(device, &ImageDescription { name, format, extent, layers: None, levels: 1, usage })
 }
 
-/// The same with array layers.
+/// An image with array layers that compute shaders write.
 pub(crate) fn storage_image_array(
     device: &Arc<Device>,
     name: &str,

@@ -23,7 +23,7 @@ pub struct Line {
     pub colour: [f32; 4],
     /// Width, or diameter of a point, in pixels.
     pub width: f32,
-    /// What the opacity of hidden parts is multiplied by: 1 shows them as the rest, 0 not at all.
+    /// Factor on the opacity of hidden parts: 1 shows them as the rest, 0 not at all.
     pub hidden: f32,
 }
 

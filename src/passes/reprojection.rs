@@ -7,7 +7,7 @@ use super::history::History;
 use super::storage_image;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, SharedSet, Upload, VulkanError, shaders, vk};
 
-/// What the pass reads.
+/// Inputs of the pass.
 pub struct ReprojectionInputs<'a> {
     /// `FrameUniforms`.
     pub uniforms: &'a Upload,
@@ -31,7 +31,7 @@ impl<'a> ReprojectionInputs<'a> {
     }
 }
 
-/// What the pass writes. 32 bytes a pixel.
+/// Outputs of the pass. 32 bytes a pixel.
 pub struct Reprojection {
     surfaces: History<Image>,
     /// The instances of the surfaces, plus one.
@@ -41,7 +41,7 @@ pub struct Reprojection {
 }
 
 impl Reprojection {
-    /// What this frame sees: depth and normal, packed as in shaders/include/visible_surface.glsl.
+    /// Surfaces of this frame: depth and normal, packed as in shaders/include/visible_surface.glsl.
     pub fn surface(&self) -> &Image {
         self.surfaces.last()
     }
@@ -71,7 +71,7 @@ impl ReprojectionPass {
         })
     }
 
-    /// What the last frame wrote.
+    /// The outputs of the last frame.
     pub fn output(&self) -> &Reprojection {
         &self.output
     }

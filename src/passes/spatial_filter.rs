@@ -12,7 +12,7 @@ use crate::vulkan::{ComputePipeline, Device, Frame, Image, Upload, VulkanError, 
 /// Standard deviations by which luminances on one surface may differ.
 pub const TOLERANCE: f32 = 3.0;
 
-/// What one frame filters.
+/// Inputs of the filter for one frame.
 pub struct FilteredSignal<'a> {
     /// `FrameUniforms`.
     pub uniforms: &'a Upload,
@@ -20,7 +20,7 @@ pub struct FilteredSignal<'a> {
     pub depth: &'a Image,
     /// Shading and geometric normals, as in the G-buffer.
     pub normal: &'a Image,
-    /// rgb: the signal, RGBA16F; a: 0 where a texel knows nothing, otherwise left as it is. Overwritten.
+    /// rgb: the signal, RGBA16F; a: 0 where a texel has none, otherwise left as it is. Overwritten.
     pub noisy: &'a Image,
     /// Variance of its luminance, R32F. Overwritten.
     pub variance: &'a Image,

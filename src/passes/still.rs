@@ -1,5 +1,5 @@
 //! `still`: progressive accumulation. A still scene converges to the reference: the mean of raw radiance, before all denoisers and with
-//! the jitter of antialiasing, over all frames in which nothing changes. What that mean corrects in the denoised picture is filtered as far
+//! the jitter of antialiasing, over all frames in which nothing changes. The mean's difference from the denoised picture is filtered as far
 //! as its variance asks for, and so the picture goes over from the denoised one to the mean.
 //!
 //! In: everything that radiance is made of, as sampled; the denoised picture. Out: the picture. Frames that a pixel has no sample of
@@ -36,9 +36,9 @@ pub struct SampledIrradiance<'a> {
 
 /// The pass reads these.
 pub struct StillInputs<'a> {
-    /// As sampled; its irradiance is not read.
+    /// Images as sampled; the irradiance is not read.
     pub raw: &'a CombineInputs<'a>,
-    /// As sampled.
+    /// Irradiance as sampled.
     pub irradiance: SampledIrradiance<'a>,
     /// The denoised picture with smooth edges, RGBA16F; none: it lies where this pass writes.
     pub antialiased: Option<&'a Image>,
@@ -70,7 +70,7 @@ pub struct StillPass {
     fade: ComputePipeline,
     /// rgb: mean radiance; a: squared differences of its luminance, added up.
     mean: Image,
-    /// What the mean corrects in the denoised picture, as shaders/include/still.glsl has it.
+    /// Correction of the denoised picture by the mean, as shaders/include/still.glsl has it.
     correction: Image,
     /// Variance of its luminance.
     variance: Image,

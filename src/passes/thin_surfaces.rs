@@ -1,7 +1,7 @@
 //! `thin_surfaces`: the thin surfaces between the eye and the visible surfaces, by rays. Only scenes that have any have the pass.
 //!
-//! In: the visible surfaces, the lights and all that is known of what rays hit. Out: what the thin surfaces add to each pixel, and what they
-//! let pass of the light behind them.
+//! In: the visible surfaces, the lights and the surfaces that rays hit. Out: the light that the thin surfaces add to each pixel, and
+//! their transmittance for the light behind them.
 
 use std::sync::Arc;
 
@@ -13,15 +13,15 @@ use super::storage_image;
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
-/// What is seen of thin surfaces. 32 bytes a pixel.
+/// Images of the thin surfaces before each pixel. 32 bytes a pixel.
 pub struct ThinSurfaceImages {
     /// Radiance that does not depend on the irradiance behind: emission, light of punctual lights; RGBA16F.
     pub light: Image,
-    /// What the thin surfaces make of the irradiance of the surface behind, times pi; RGBA16F.
+    /// Albedo: they add albedo/pi times the irradiance of the surface behind; RGBA16F.
     pub albedo: Image,
-    /// What they let pass of the light behind; RGBA16F.
+    /// Their transmittance for the light behind; RGBA16F.
     pub transmittance: Image,
-    /// What the first one makes of what reflection rays bring; RGBA16F.
+    /// Factor of the first one on the radiance of reflection rays; RGBA16F.
     pub mirrored: Image,
 }
 
@@ -62,7 +62,7 @@ impl ThinSurfacesPass {
         })
     }
 
-    /// What the last frame wrote.
+    /// The images of the last frame.
     pub fn output(&self) -> &ThinSurfaceImages {
         &self.images
     }

@@ -21,7 +21,7 @@ pub(super) struct AreaLight {
     pub(super) visible: bool,
     pub(super) scene_radius: f32,
     pub(super) instance: usize,
-    /// What the emission of its materials is multiplied by.
+    /// Factor on the emission of its materials.
     pub(super) factor: Vec3,
 }
 

@@ -81,7 +81,7 @@ pub struct Film {
     radiance: Vec<RadianceSums>,
     /// With `--layers`; else empty.
     layers: Vec<LayerSums>,
-    /// What the ray through the centre of each pixel hits; none where it misses.
+    /// Hit of the ray through the centre of each pixel; none where it misses.
     centres: Vec<Option<CentralHit>>,
     /// Samples and standard error of an earlier run that this one resumes.
     resumed: Option<(u64, f64)>,

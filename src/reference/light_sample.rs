@@ -21,7 +21,7 @@ pub(super) struct LightSample {
 /// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ShadowEnd {
-    /// At a point, offset from the light's surface if it has one.
+    /// A point, offset from the light's surface if it has one.
     Point(Vec3),
     /// After this distance along the direction; infinite where nothing is behind the light.
     Distance(f32),
@@ -34,7 +34,7 @@ impl LightSample {
     }
 }
 
-/// The power heuristic (Veach 1997, equation 9.18, exponent 2): the weight of a sample drawn with pdf `own` where
+/// The power heuristic (Veach 1997, equation 9.18, exponent 2): the weight of a sample with pdf `own` where
 /// the other technique has pdf `other`.
 pub(super) fn power_heuristic(own: f32, other: f32) -> f32 {
     let ratio = other / own;

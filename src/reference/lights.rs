@@ -184,7 +184,7 @@ impl Lights {
     ) -> Option<(Vec3, f32)> {
         let index = self.of_instance[hit.instance as usize]?;
         let PosedLight::Area(area) = &self.lights[index] else { return None };
-        // Light sampling knows no emission that all points of a piece have missed.
+        // Light sampling cannot find emission that all points of a piece have missed.
         let density = area.emitter_at((hit.triangle, front), hit.barycentrics).map_or(0.0, |emitter| {
             let cosine = -emitter.normal.dot(scattered.direction);
             let squared = scattered.from.distance_squared(scattered.at);
@@ -199,19 +199,19 @@ impl Lights {
 /// A scattered ray that hit a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScatteredHit {
-    /// Its origin on a surface.
+    /// Origin on a surface.
     pub(super) from: Vec3,
     /// The normal there.
     pub(super) normal: Vec3,
-    /// Its unit direction.
+    /// Unit direction.
     pub(super) direction: Vec3,
     /// The hit point.
     pub(super) at: Vec3,
 }
 
 impl PosedLight {
-    /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero. Of a light with an
-    /// extent, what it would be if all of it lay where it is highest.
+    /// Sampling weight: an estimate of the luminous irradiance at `p`, zero only if that is zero. For a light with an
+    /// extent it is that of a light that lies where it would be highest.
     #[inline]
     fn weight(&self, p: Vec3, n: Vec3) -> f32 {
         match self {

@@ -40,15 +40,15 @@ const MAX_SURVIVAL: f32 = 0.95;
 #[derive(Clone)]
 struct Path<'a> {
     sampler: Sampler,
-    /// Its pixel.
+    /// Pixel.
     pixel: usize,
     /// The integral that it estimates.
     estimates: Estimates,
-    /// Its latest vertex.
+    /// Latest vertex.
     vertex: Interaction<'a>,
     /// How that reflects light towards the vertex before.
     reflection: Reflection,
-    /// Direction of its latest ray, and the density with which it was drawn; none for that of a mirror.
+    /// Direction of its latest ray, and the density with which it was sampled; none for that of a mirror.
     direction: Vec3,
     density: Option<f32>,
     /// Weight of the radiance along the next ray.
@@ -258,7 +258,7 @@ impl Reference<'_> {
     }
 
     /// Samples the next ray of a path; none if nothing is reflected. One that the shading normal sends below the triangle is mirrored
-    /// by it: no energy is lost. Light sampling knows no such rays.
+    /// by it: no energy is lost. Light sampling cannot find such rays.
     fn scatter(&self, path: &mut Path<'_>, bounce: u32, u: Vec2) -> Option<Ray> {
         let surface = &path.vertex.surface;
         let sampled = match path.estimates {
@@ -375,7 +375,7 @@ impl Reference<'_> {
     fn reflection(&self, vertex: &Interaction<'_>, direction: Vec3) -> Reflection {
         let texel = vertex.texels.map_or(Vec3::ONE, |(texture, texels)| texture.filter(texels));
         let bsdf = vertex.material.bsdf(self.scene, texel, &vertex.attributes);
-        bsdf.seen(vertex.surface.normal, -direction.normalize())
+        bsdf.prepare(vertex.surface.normal, -direction.normalize())
     }
 }
 

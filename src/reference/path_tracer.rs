@@ -51,7 +51,7 @@ impl ReferenceSettings {
 #[derive(Debug)]
 pub struct Reference<'a> {
     pub(super) scene: &'a Scene,
-    /// What positions in here are relative to.
+    /// Origin of positions in here, world units.
     pub(super) anchor: Vec3,
     pub(super) pose: Cow<'a, Pose>,
     pub(super) bvh: TwoLevelBvh,

@@ -1,5 +1,5 @@
-//! What a frame gives the denoiser of indirect light, and what its output is joined with, so that a denoiser can run again without
-//! the renderer.
+//! Inputs of the denoiser of indirect light for a frame, and the images that its output is joined with, so that a denoiser can run
+//! again without the renderer.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ pub struct DenoiserFrame {
 }
 
 impl DenoiserFrame {
-    /// What every frame has, with its channels.
+    /// Images of every frame, with their channels.
     pub const CHANNELS: [(&'static str, usize); 8] = [
         ("gbuffer_depth", 1),
         ("gbuffer_normal", 4),
@@ -41,9 +41,9 @@ impl DenoiserFrame {
         ("direct", 4),
         ("specular_albedo", 4),
     ];
-    /// What frames with reflection rays have, too: 4 channels.
+    /// Image of frames with reflection rays: 4 channels.
     pub const REFLECTION: &'static str = "reflection";
-    /// What scenes with thin surfaces have, too: 4 channels each.
+    /// Images of scenes with thin surfaces: 4 channels each.
     pub const THIN_SURFACES: [&'static str; 4] =
         ["thin_light", "thin_albedo", "thin_transmittance", "thin_mirrored"];
 }

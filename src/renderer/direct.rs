@@ -54,17 +54,17 @@ impl DirectDescription {
     }
 }
 
-/// What casts the shadows of lights.
+/// Passes that cast the shadows of lights.
 pub(super) enum ShadowPasses {
     /// One ray to each light.
     Hard(Box<DirectShadowsPass>),
-    /// To a random point of one.
+    /// One ray to a random point of one light.
     Soft(Box<SoftShadows>),
     /// The estimator's.
     Estimator,
 }
 
-/// What direct light needs besides the inputs of the frame.
+/// Inputs of direct light besides those of the frame.
 pub(super) struct DirectInputs {
     /// How many point, spot and directional lights there are.
     pub light_count: u32,
@@ -103,8 +103,8 @@ impl DirectPasses {
         }
     }
 
-    /// What lights send straight to the visible surfaces, unless the estimator has it, and to the thin surfaces before these; with soft
-    /// shadows area lights, too.
+    /// Records direct light on the visible surfaces, unless the estimator has it, and on the thin surfaces before these; with soft
+    /// shadows that of area lights, too.
     pub fn record(
         &mut self,
         frame: &mut Frame<'_>,

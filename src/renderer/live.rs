@@ -1,6 +1,6 @@
 //! Changes while the renderer runs: other settings, another scene, without a restart and without a flash.
 //!
-//! What the change does not concern is kept: pipelines, images, the estimator and its history.
+//! Parts that the change does not concern stay: pipelines, images, the estimator and its history.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ impl Renderer {
         let variant = TracerVariant { tracer: kind, ..self.gpu_scene.variant() };
         self.bvh.update(&pose.instances);
 
-        // Make what the change replaces. What a part was made of tells whether it stays.
+        // Make what the change replaces. A part stays if its inputs do.
         let tracer = if retraced { Some(Tracer::new(&device, kind, &self.bvh)?) } else { None };
         let shared = SharedDescription::of(variant, &self.scene, settings);
         let passes = self.remade(shared)?;

@@ -1,4 +1,4 @@
-//! From the device's images to a [`Picture`].
+//! Reads the device's images back into a [`Picture`].
 
 use std::f32::consts::PI;
 
@@ -15,7 +15,7 @@ use crate::vulkan::Image;
 /// Twin of MATERIAL in shaders/include/gbuffer.glsl.
 const MATERIAL: u32 = 0x7fff_ffff;
 
-/// What the radiance of each pixel is made of.
+/// Parts of the radiance of each pixel.
 struct Light {
     /// Radiance over `specular_albedo`; a: share of it, where the rest is by irradiance.
     mirrored: Vec<[f32; 4]>,
@@ -23,11 +23,11 @@ struct Light {
     irradiance: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
     specular_albedo: Vec<[f32; 4]>,
-    /// What of radiance that is mirrored comes from a thin surface before the pixel.
+    /// Factor on radiance that a thin surface before the pixel mirrors.
     thin_mirrored: Vec<[f32; 4]>,
 }
 
-/// What thin surfaces add to the light of each pixel, and let pass of it.
+/// Light that thin surfaces add to each pixel, and their transmittance.
 struct ThinSurfaceLight {
     light: Vec<[f32; 4]>,
     albedo: Vec<[f32; 4]>,
@@ -149,12 +149,6 @@ impl Renderer {
         Ok(radiance.into_iter().zip(albedo).map(of).collect())
     }
 
-    /// What the estimator knows of each pixel of the last frame besides irradiance.
-    pub fn read_irradiance_alpha(&self) -> Result<Vec<f32>, RenderError> {
-        let irradiance = self.read_halves(self.irradiance(), 4)?;
-        Ok(irradiance.into_iter().map(|pixel| pixel[3]).collect())
-    }
-
     fn read_layers(&self, light: &Light) -> Result<Vec<Layer>, RenderError> {
         let gbuffer = self.passes.gbuffer.output();
         let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&gbuffer.depth.read_layer(&self.device, 0, 4)?);
@@ -204,7 +198,7 @@ impl Renderer {
         Ok(layers)
     }
 
-    /// What an effect goes through, if it is in use: the signal, and for the denoiser its standard deviation and its history.
+    /// Layers of an effect, if it is in use: the signal, and for the denoiser its standard deviation and its history.
     fn effect_layers(&self, effect: &str) -> Result<Vec<Layer>, RenderError> {
         let (direct, reflections) = (&self.passes.direct, self.passes.reflections.as_ref());
         let mut layers = Vec::new();

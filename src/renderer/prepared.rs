@@ -1,4 +1,4 @@
-//! What a renderer needs of a scene before it has a device.
+//! The parts of a renderer that a scene needs before it has a device.
 
 use std::sync::Arc;
 use std::time::Instant;

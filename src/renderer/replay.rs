@@ -20,7 +20,7 @@ pub struct Replay {
     /// Animation time of frame 0, seconds.
     start: f64,
     assets: Option<PathBuf>,
-    /// What was read for scenes within the recording.
+    /// Files that were read for scenes within the recording.
     read: ReadFiles,
     device: Arc<Device>,
 }

@@ -1,4 +1,4 @@
-//! What was measured of frames, once the device has finished them.
+//! Measurements of frames, once the device has finished them.
 
 use std::collections::VecDeque;
 
@@ -10,7 +10,7 @@ use crate::vulkan::FrameTimes;
 /// A frame in flight.
 pub(super) struct Pending {
     pub frame: u64,
-    /// Of [`FrameReport::still`].
+    /// See [`FrameReport::still`].
     pub still: u32,
     pub method: &'static Method,
     pub cpu_ms: Vec<f64>,
@@ -29,11 +29,6 @@ impl Renderer {
             self.reports.extend(report(&mut self.pending, &*self.estimator, &times));
         }
         Ok(std::mem::take(&mut self.reports))
-    }
-
-    /// The passes of a frame, in order.
-    pub fn pass_infos(&self) -> Vec<PassInfo> {
-        frame_passes(estimators::method(&self.resolved)).copied().collect()
     }
 }
 

@@ -120,7 +120,7 @@ pub(super) fn indirect_description(settings: &Settings) -> DenoiserDescription {
     }
 }
 
-/// What one of the views of effects shows; none where the effect is not in use, or it is another view.
+/// Image of one of the views of effects; none where the effect is not in use, or it is another view.
 pub(super) fn effect_image<'a>(
     direct: &'a DirectPasses,
     reflections: Option<&'a Reflections>,

@@ -76,7 +76,7 @@ pub(super) fn post_process<'a>(
         picture = combine.radiance();
     }
     if inputs.clock.progress() >= 1.0 {
-        // What is frozen has the exposure that it asks for.
+        // A frozen picture has the exposure that it asks for.
         combine.pace.set(1.0);
     }
     Ok(combine.tone_map(frame, inputs.uniforms, picture, exposure)?)

@@ -14,7 +14,7 @@ use crate::settings::{Antialiasing, Direct};
 /// -1), by which the mean keeps the contrast of floors at any angle.
 const JITTERED_FOOTPRINT: f32 = 0.45;
 
-/// What a frame is rendered with.
+/// Pose and uniforms of a frame.
 pub(super) struct FrameSetup {
     /// Where everything stands, with the camera where it samples the pixels.
     pub pose: Pose,
@@ -24,7 +24,7 @@ pub(super) struct FrameSetup {
 }
 
 impl Renderer {
-    /// What decides when still frames begin and end. A view shows the frame as it is.
+    /// Decides when still frames begin and end. A view shows the frame as it is.
     pub(super) fn clock_inputs(&self) -> ClockInputs {
         let is_picture = self.view.is_picture();
         ClockInputs {

@@ -23,7 +23,7 @@ pub(super) struct ViewPasses {
 /// The results of the frame's passes that a view shows.
 pub(super) struct ViewFrame<'a> {
     pub view: &'a DebugView,
-    /// What positions in the frame are relative to.
+    /// Origin of positions in the frame, world units.
     pub anchor: Vec3,
     pub inputs: &'a FrameInputs<'a>,
     pub irradiance: &'a Image,

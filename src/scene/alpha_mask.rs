@@ -9,7 +9,7 @@ use glam::Vec2;
 use super::texture::Footprint;
 use super::texture_use::Wrap;
 
-/// By how much, relatively, alpha may miss the cutoff of a mask: vertices have half floats.
+/// Relative error of alpha at the cutoff of a mask: vertices have half floats.
 const TOLERANCE: f32 = 1.0 / 2048.0;
 
 /// The alpha by which a surface is cut out: the same for raster, CPU rays and shader rays.
@@ -50,7 +50,7 @@ impl AlphaMask {
         Self::new([1, 1], vec![255])
     }
 
-    /// The same, cut where alpha times `factor` is below `cutoff`.
+    /// This mask, cut where alpha times `factor` is below `cutoff`.
     pub fn cut_at(self, cutoff: f32, factor: f32) -> Self {
         let threshold = cutoff / factor.max(f32::MIN_POSITIVE) * (1.0 - TOLERANCE);
         Self { threshold: threshold.min(f32::MAX), ..self }

@@ -50,7 +50,7 @@ pub struct Rotation {
 /// A motion, as what turns and stretches the object about its own origin, and the new position of that: exact at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// About the object's own origin.
+    /// Rotation about the object's own origin.
     pub rotation: Quat,
     /// Position of its origin, world space.
     pub position: Vec3,

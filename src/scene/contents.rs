@@ -1,4 +1,4 @@
-//! What a scene contains, and where that is at one time.
+//! Contents of a scene, and their places at one time.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub struct Instance {
     pub mesh: usize,
     /// Object to world at rest; animation is applied by [`Scene::pose`].
     pub transform: Affine3A,
-    /// Its animation, if any.
+    /// Animation, if any.
     pub animation: Option<Animation>,
     /// Whether it may move: static instances have their own top-level BVH, which is built once.
     pub dynamic: bool,
@@ -86,7 +86,7 @@ pub struct Pose {
     pub lights: Vec<Light>,
     /// Object to world of each of [`Scene::instances`].
     pub instances: Vec<Affine3A>,
-    /// That of the scene, perhaps turned or of another radiance; none where there is none, or it is taken away.
+    /// The scene's environment, perhaps turned or of another radiance; none where there is none, or it is taken away.
     pub environment: Option<Environment>,
 }
 
@@ -185,7 +185,7 @@ impl Scene {
             && self.material_bindings() == other.material_bindings()
     }
 
-    /// What the BVH and the passes are built for of each material; its numbers may change without a rebuild.
+    /// The part of each material that BVH and passes are built for; its numbers may change without a rebuild.
     pub(crate) fn material_bindings(&self) -> Vec<MaterialBindings> {
         let of =
             |m: &Material| (m.texture_uses(), m.alpha, m.is_thin_surface(), m.alpha_mask, m.double_sided);

@@ -125,7 +125,7 @@ impl Scene {
         pieces
     }
 
-    /// What the emission of each instance's materials is multiplied by, since a pose may change area lights or take them away:
+    /// Factor on the emission of each instance's materials, since a pose may change area lights or take them away:
     /// radiance now over the radiance that the scene states.
     pub fn emission_factors(&self, pose: &Pose) -> Vec<Vec3> {
         let (rest, now) = (self.brightest_emissions(&self.lights), self.brightest_emissions(&pose.lights));

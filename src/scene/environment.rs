@@ -36,11 +36,11 @@ pub struct EnvironmentMap {
     /// Cumulative distribution over the rows of cells, and over the cells within each.
     rows: Vec<f32>,
     columns: Vec<f32>,
-    /// Of the luminance times the greatest sine in each row of cells, over the unit square; 0 without light.
+    /// Integral of the luminance times the greatest sine in each row of cells, over the unit square; 0 without light.
     integral: f32,
     /// Average over all directions.
     mean: Vec3,
-    /// What [`Self::separated`] has found.
+    /// Result of [`Self::separated`].
     separated: OnceLock<Option<Separated>>,
 }
 
@@ -63,7 +63,7 @@ impl PartialEq for Environment {
 }
 
 impl Environment {
-    /// The same radiance from all directions, W/m^2/sr.
+    /// Constant radiance from all directions, W/m^2/sr.
     pub fn constant(radiance: Vec3) -> Self {
         Self { radiance, map: None, rotation: 0.0 }
     }
@@ -167,7 +167,7 @@ impl EnvironmentMap {
         map
     }
 
-    /// Its suns and the rest, if it has any: see suns.rs. Searches for them at the first call.
+    /// Suns and the rest, if it has any: see suns.rs. Searches for them at the first call.
     pub(super) fn separated(&self) -> Option<&Separated> {
         self.separated.get_or_init(|| Separated::of(self)).as_ref()
     }
@@ -306,7 +306,7 @@ mod tests {
         }
         let turned = Environment { rotation: std::f32::consts::FRAC_PI_2, ..sky() };
         let unturned = Environment { rotation: 0.0, ..sky() };
-        // What lay towards -z lies towards -x.
+        // The part towards -z is turned towards -x.
         let [a, b] =
             [turned.radiance(Vec3::new(-0.8, 0.6, 0.0)), unturned.radiance(Vec3::new(0.0, 0.6, -0.8))];
         assert!(a.distance(b) < 1e-4, "{a} {b}");
@@ -341,14 +341,14 @@ mod tests {
         }
         let total: f64 = shares.iter().sum();
         assert!((total - 1.0).abs() < 1e-3, "{total}");
-        // Texels that are hardly ever drawn say little.
+        // Texels that are hardly ever sampled say little.
         let kept: Vec<usize> = (0..512).filter(|&cell| shares[cell] * f64::from(SAMPLES) > 5.0).collect();
         assert!(kept.len() > 8);
-        let drawn: u32 = kept.iter().map(|&cell| counts[cell]).sum();
+        let sampled: u32 = kept.iter().map(|&cell| counts[cell]).sum();
         let counts: Vec<u32> = kept.iter().map(|&cell| counts[cell]).collect();
         let part: f64 = kept.iter().map(|&cell| shares[cell]).sum();
         let shares: Vec<f64> = kept.iter().map(|&cell| shares[cell] / part).collect();
-        assert!(f64::from(drawn) > 0.9 * f64::from(SAMPLES) * part);
+        assert!(f64::from(sampled) > 0.9 * f64::from(SAMPLES) * part);
         let chi = chi_square(&counts, &shares);
         assert!(chi < 1.8, "{chi} of {}", counts.len());
         let estimate = (sum / f64::from(SAMPLES) / (4.0 * std::f64::consts::PI)).as_vec3();

@@ -36,7 +36,7 @@ pub enum LightKind {
     Area {
         /// Index into `Scene::instances`.
         instance: usize,
-        /// Its emissive triangles.
+        /// Emissive triangles.
         triangles: Vec<AreaTriangle>,
     },
 }
@@ -55,7 +55,7 @@ impl SpotFalloff {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LightType {
-    /// The same in all directions.
+    /// Equal intensity in all directions.
     #[default]
     Point,
     /// A cone.
@@ -73,7 +73,7 @@ pub struct AreaTriangle {
     pub triangle: u32,
     /// The side that emits; where both do, each has an entry.
     pub front: bool,
-    /// Its corners within that triangle: the weights of the second and of the third vertex.
+    /// Corners within that triangle: the weights of the second and of the third vertex.
     pub corners: [Vec2; 3],
     /// Radiance, its mean over the texture, W/m^2/sr.
     pub radiance: Vec3,
@@ -88,7 +88,7 @@ impl AreaTriangle {
         (self.triangle, self.front)
     }
 
-    /// What the vertices have, interpolated to its corners.
+    /// Interpolates a value of the vertices to its corners.
     pub fn interpolate<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f32, Output = T>>(
         &self,
         [a, b, c]: [T; 3],
@@ -126,7 +126,7 @@ pub struct Light {
     pub radius: f32,
     /// Half angle of the disc that shines (directional), radians, at most pi/2; 0 for parallel light.
     pub half_angle: f32,
-    /// Its animation, if any; an area light moves with its instance instead.
+    /// Animation, if any; an area light moves with its instance instead.
     pub animation: Option<Animation>,
 }
 

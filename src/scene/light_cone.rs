@@ -25,9 +25,9 @@ pub struct LightCone {
     pub axis: Vec3,
     /// 1 - cos theta, which narrow cones need exactly; 0 without extent, 1 at most.
     pub one_minus_cos: f32,
-    /// To the light's centre, world units; infinite for a directional light.
+    /// Distance to the light's centre, world units; infinite for a directional light.
     pub distance: f32,
-    /// Of the sphere, world units; 0 without one.
+    /// Radius of the sphere, world units; 0 without one.
     pub radius: f32,
 }
 
@@ -36,7 +36,7 @@ pub struct LightCone {
 pub struct ConeSample {
     /// Unit direction.
     pub direction: Vec3,
-    /// Along it to the light's near surface, world units: what lies beyond casts no shadow.
+    /// Distance along it to the light's near surface, world units: surfaces beyond cast no shadow.
     pub distance: f32,
 }
 
@@ -48,7 +48,7 @@ impl LightCone {
         Self { axis, one_minus_cos, distance, radius }
     }
 
-    /// To a disc at infinity with this half angle, radians, at most pi/2.
+    /// The cone to a disc at infinity with this half angle, radians, at most pi/2.
     pub fn to_disc(axis: Vec3, half_angle: f32) -> Self {
         let sine = (0.5 * half_angle).sin();
         let one_minus_cos = (2.0 * sine * sine).min(1.0);

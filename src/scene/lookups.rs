@@ -17,19 +17,19 @@ impl TextureUse {
 }
 
 impl Material {
-    /// Its reflection at a point (textures bilinear, level 0).
+    /// BSDF at a point (textures bilinear, level 0).
     pub fn bsdf_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Bsdf {
         let at = at.into();
         self.bsdf(scene, texel(scene, self.base_colour_texture, &at), &at)
     }
 
-    /// The same, where the texture of the base colour has the colour `texel`.
+    /// BSDF at a point where the texture of the base colour has the colour `base`.
     pub(crate) fn bsdf(&self, scene: &Scene, base: Vec3, at: &Attributes) -> Bsdf {
         let data = texel(scene, self.metallic_roughness_texture, at);
         self.bsdf_of(base * at.colour.truncate(), data)
     }
 
-    /// Its reflection, averaged over its textures.
+    /// BSDF, averaged over the textures.
     pub fn mean_bsdf(&self, scene: &Scene) -> Bsdf {
         self.bsdf_of(mean(scene, self.base_colour_texture), mean(scene, self.metallic_roughness_texture))
     }
@@ -50,11 +50,6 @@ impl Material {
         self.base_colour * mean(scene, self.base_colour_texture)
     }
 
-    /// Share of the light that it reflects at a point, averaged over all directions by the cosine: what a light path keeps.
-    pub fn albedo_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
-        self.bsdf_at(scene, at).mean_albedo()
-    }
-
     /// Radiance of the sides that emit at a point, W/m^2/sr.
     pub fn emission_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
         if !self.is_emissive() {
@@ -70,7 +65,7 @@ impl Material {
         self.emission_texture.is_some() || self.unlit && !mesh.colours.is_empty()
     }
 
-    /// The same, averaged over its texture.
+    /// Emission, averaged over the texture, W/m^2/sr.
     pub fn mean_emission(&self, scene: &Scene) -> Vec3 {
         self.emission * mean(scene, self.emission_texture)
     }

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::texture_use::TextureUse;
 use crate::bsdf::Bsdf;
 
-/// What dielectrics reflect at normal incidence in glTF.
+/// Reflectance of dielectrics at normal incidence in glTF.
 pub(crate) const GLTF_F0: Vec3 = Vec3::splat(0.04);
 
 /// How the alpha of the base colour is used.
@@ -35,9 +35,9 @@ pub struct Material {
     pub roughness: f32,
     /// Linear, green and blue.
     pub metallic_roughness_texture: Option<TextureUse>,
-    /// What its dielectric part reflects at normal incidence; 0.04 in glTF.
+    /// Reflectance of its dielectric part at normal incidence; 0.04 in glTF.
     pub f0: Vec3,
-    /// The same at grazing incidence; 1 in glTF. 0, with an `f0` of 0: a Lambertian surface.
+    /// Reflectance at grazing incidence; 1 in glTF. 0, with an `f0` of 0: a Lambertian surface.
     pub f90: f32,
     /// Radiance of the sides that emit, multiplied with its texture, W/m^2/sr.
     pub emission: Vec3,
@@ -45,7 +45,7 @@ pub struct Material {
     pub emission_texture: Option<TextureUse>,
     /// Linear: the normal in the frame of tangent, bitangent and normal, from -1 to 1, as in glTF.
     pub normal_texture: Option<TextureUse>,
-    /// What the slopes of the normal map are multiplied by.
+    /// Factor on the slopes of the normal map.
     pub normal_scale: f32,
     /// How alpha is used.
     pub alpha: Alpha,
@@ -59,7 +59,7 @@ pub struct Material {
     pub emits_on_both_sides: bool,
     /// Whether its emission is that of its base colour, and so multiplied with the vertices' colours (KHR_materials_unlit).
     pub unlit: bool,
-    /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out. What is cut out does not emit.
+    /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out. Those parts do not emit.
     pub alpha_mask: Option<usize>,
 }
 
@@ -120,7 +120,7 @@ impl Material {
         Self { f0, f90, roughness: roughness_of_exponent(shininess), ..self }
     }
 
-    /// Its textures: base colour, metallic and roughness, emission, normal.
+    /// Textures: base colour, metallic and roughness, emission, normal.
     pub fn texture_uses(&self) -> [Option<TextureUse>; 4] {
         [
             self.base_colour_texture,
@@ -130,12 +130,12 @@ impl Material {
         ]
     }
 
-    /// Those that it has.
+    /// The textures that it has.
     pub fn textures(&self) -> impl Iterator<Item = TextureUse> {
         self.texture_uses().into_iter().flatten()
     }
 
-    /// Its reflection where its textures have these values.
+    /// BSDF where its textures have these values.
     pub(super) fn bsdf_of(&self, texel: Vec3, data: Vec3) -> Bsdf {
         Bsdf {
             base: self.reflected_base() * texel,
@@ -162,7 +162,7 @@ impl Material {
         self.alpha == Alpha::Blend || self.transmission > 0.0
     }
 
-    /// What a thin surface lets pass where its coat reflects nothing, to be multiplied with its texture.
+    /// Transmittance of a thin surface where its coat reflects nothing, to be multiplied with its texture.
     pub(crate) fn passed(&self) -> Vec3 {
         self.base_colour * (self.transmission * (1.0 - self.metallic))
     }
@@ -183,12 +183,12 @@ impl Material {
 pub struct ThinSurface {
     /// The share of the surface that is there.
     pub coverage: f32,
-    /// What that part lets pass of the light that its coat does not reflect.
+    /// Transmittance of that part for the light that its coat does not reflect.
     pub passed: Vec3,
 }
 
 impl ThinSurface {
-    /// What the thin surface lets pass where its coat reflects `reflected`.
+    /// Transmittance of the thin surface where its coat reflects `reflected`.
     pub fn transmittance(&self, reflected: f32) -> Vec3 {
         Vec3::splat(1.0 - self.coverage) + self.passed * (self.coverage * (1.0 - reflected))
     }

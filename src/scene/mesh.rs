@@ -27,7 +27,7 @@ pub struct Mesh {
     pub uvs: Vec<Vec2>,
     /// A second set of texture coordinates, one a vertex; empty if no material reads it.
     pub second_uvs: Vec<Vec2>,
-    /// Of normal maps, one a vertex, as in glTF: xyz points to the right on the image, unit length; w is the side of the
+    /// Tangents of normal maps, one a vertex, as in glTF: xyz points to the right on the image, unit length; w is the side of the
     /// bitangent w (n x t), which points up on it, 1 or -1, or 0 where there is none. Empty without normal maps.
     pub tangents: Vec<Vec4>,
     /// Linear colour and alpha, one a vertex; empty if all are white.

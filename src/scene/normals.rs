@@ -30,7 +30,7 @@ pub(crate) fn fill_missing(mesh: &mut Mesh) {
     fill_missing_in_groups(mesh, &[]);
 }
 
-/// The same by the smoothing group of each triangle, of which 0 is flat; a triangle that has none goes by the crease angle.
+/// [`fill_missing`] by the smoothing group of each triangle, of which 0 is flat; a triangle that has none goes by the crease angle.
 pub(crate) fn fill_missing_in_groups(mesh: &mut Mesh, smoothing: &[Option<u32>]) {
     let group_of = |corner: &Corner| smoothing.get(corner.triangle).copied().flatten();
     let crease_cos = CREASE_DEGREES.to_radians().cos();

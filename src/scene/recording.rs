@@ -61,7 +61,7 @@ pub struct RecordedLight {
     pub half_angle: f32,
 }
 
-/// Of the scene's environment.
+/// A change of the scene's environment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedEnvironment {

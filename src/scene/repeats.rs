@@ -1,6 +1,6 @@
 //! Triangles that a file repeats at the same place, thousands of times: rays would test each.
 //!
-//! In: a mesh. Out: the same with a few of each. What repeats less often stays as it is.
+//! In: a mesh. Out: the mesh with a few of each. Triangles that repeat less often stay as they are.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! The suns of an environment map: what is compact and far brighter than its surroundings, cut out as directional lights.
+//! The suns of an environment map: its compact parts that are far brighter than their surroundings, cut out as directional lights.
 //!
 //! In: a map. Out: up to [`MOST`] suns, and the sky: the map with their texels filled with the mean around them, so that both together
 //! send what the map sends. Who sees what of an environment that has suns:
@@ -39,7 +39,7 @@ struct Sun {
     direction: Vec3,
     /// Across that, where the map's values are radiance in W/m^2/sr; W/m^2.
     irradiance: Vec3,
-    /// Of a disc of the same solid angle, radians.
+    /// Half angle of a disc of the same solid angle, radians.
     half_angle: f32,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Separated {
 }
 
 impl Pose {
-    /// With the suns of its environment as lights after all others.
+    /// The pose with the suns of its environment as lights after all others.
     pub(crate) fn with_suns(pose: Cow<'_, Self>) -> Cow<'_, Self> {
         let Some(environment) = &pose.environment else { return pose };
         let Some(Separated { suns, sky }) = environment.map.as_ref().and_then(|map| map.separated()) else {

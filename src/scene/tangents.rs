@@ -21,7 +21,7 @@ struct Part<'a> {
     mesh: &'a Mesh,
     triangles: Range<usize>,
     map: TextureUse,
-    /// Of each corner of each triangle; 0 where there is none.
+    /// Tangent of each corner of each triangle; 0 where there is none.
     tangents: Vec<Vec4>,
 }
 

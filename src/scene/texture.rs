@@ -12,7 +12,7 @@ use super::material::Texture;
 use super::texture_use::{TextureUse, Wrap, wrapped};
 use crate::memory;
 
-/// Largest width and height of a texture, texels: what common devices can do.
+/// Largest width and height of a texture, texels: the limit of common devices.
 const MAX_EXTENT: u32 = 16_384;
 
 static SRGB_TO_LINEAR: LazyLock<[f32; 256]> =
@@ -53,7 +53,7 @@ impl Texture {
             .complete()
     }
 
-    /// The same of linear colour.
+    /// Builds the mip chain of texels of linear colour.
     ///
     /// # Panics
     /// As above.
@@ -67,7 +67,7 @@ impl Texture {
         UVec2::new(self.levels[0].0, self.levels[0].1)
     }
 
-    /// The same of texels that are kept as half floats, of linear colour; `linear`: they are data, which has no transparency.
+    /// Builds the mip chain of texels that are kept as half floats, of linear colour; `linear`: they are data, which has no transparency.
     ///
     /// # Panics
     /// If there are not `width * height` texels, or none.
@@ -109,7 +109,7 @@ impl Texture {
         self.filter(self.footprint(uv, &0.into()))
     }
 
-    /// The same with alpha, as a material reads it; `uv` are coordinates on the image.
+    /// Linear colour with alpha, as a material reads it; `uv` are coordinates on the image.
     pub fn sample_rgba(&self, uv: Vec2, texture: &TextureUse) -> Vec4 {
         self.footprint(uv, texture).interpolate(|place| self.texel(0, place))
     }
@@ -217,7 +217,7 @@ fn half_value(bytes: [u8; 2]) -> f32 {
     f16::from_le_bytes(bytes).to_f32()
 }
 
-/// A texel of half floats; what is not a number or below 0 is 0.
+/// A texel of half floats; NaN and values below 0 become 0.
 fn half_texel(texel: Vec4) -> [u8; 8] {
     let bounded = |value: f32| if value > 0.0 { value.min(MOST_HALF) } else { 0.0 };
     let half = |value: f32| f16::from_f32(bounded(value)).to_le_bytes();

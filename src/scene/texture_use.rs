@@ -4,7 +4,7 @@
 
 use glam::{Mat2, Vec2, Vec4};
 
-/// What lies beyond the borders of an image.
+/// Continuation of an image beyond its borders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The image again.
@@ -31,7 +31,7 @@ impl Wrap {
         }
     }
 
-    /// Its number in shaders; twin: `wrapped` in shaders/include/wrap.glsl.
+    /// Number in shaders; twin: `wrapped` in shaders/include/wrap.glsl.
     pub(crate) fn number(self) -> u32 {
         match self {
             Self::Repeat => 0,
@@ -56,7 +56,7 @@ fn fraction(x: f32) -> f32 {
     if rest < 0.0 { rest + 1.0 } else { rest }
 }
 
-/// What an image shows where it is minified, as samplers have it (glTF's `minFilter`). Rays on the CPU read the full image.
+/// Minification of an image, as samplers have it (glTF's `minFilter`). Rays on the CPU read the full image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Minified {
     /// Whether a level shows its texels as they are, the nearest; otherwise it is interpolated.
@@ -88,11 +88,11 @@ pub struct TextureUse {
     pub matrix: Mat2,
     /// Added then.
     pub offset: Vec2,
-    /// Along u and v.
+    /// Wrap modes along u and v.
     pub wrap: [Wrap; 2],
     /// Whether a magnified image shows its texels as they are, the nearest; otherwise it is interpolated.
     pub nearest: bool,
-    /// What it shows where it is minified.
+    /// Minification.
     pub minified: Minified,
 }
 
@@ -120,7 +120,7 @@ impl TextureUse {
     }
 }
 
-/// What a surface has of its vertices besides position and normal, interpolated.
+/// Interpolated attributes of a surface's vertices besides position and normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attributes {
     /// Two sets of texture coordinates, origin at the image's top left.

@@ -10,7 +10,7 @@ use super::texture_use::Attributes;
 
 /// Offset of a ray origin along the normal at the surface point `p`, against self-intersection and leaks. Both terms
 /// are lengths in the scene, so it is scale-invariant: the rounding error of `p` grows with its components, and near
-/// the origin with the size of the scene; rasterised depths of large triangles are off by 1e-5. What is far from the origin is
+/// the origin with the size of the scene; rasterised depths of large triangles are off by 1e-5. Scenes far from the origin are
 /// rendered about an anchor (`Scene::anchor`).
 pub fn ray_offset(p: Vec3, scene_radius: f32) -> f32 {
     2e-5 * p.abs().max_element().max(0.2 * scene_radius)
@@ -62,7 +62,7 @@ pub struct SidedSurface {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceTransform {
     transform: Affine3A,
-    /// For normals: the inverse transpose, up to scale.
+    /// Matrix for normals: the inverse transpose, up to scale.
     normals: Mat3A,
 }
 

@@ -11,7 +11,7 @@ pub(super) const MOST_FEATURES: usize = 64;
 /// Completes "must be".
 pub(super) const FEATURES_HELP: &str = "1 to 64 features with commas between, each a product of at most three of 1, nx, ny, nz, wx, wy, wz, d, r, ar, ag, ab, such as wx*wx, or their roots, such as sqrt(nx)";
 
-/// What is known of a surface; a code is the place plus one. Twin: `factor_of` in shaders/denoise/bmfr_features.glsl.
+/// Features of a surface; a code is the place plus one. Twin: `factor_of` in shaders/denoise/bmfr_features.glsl.
 const FACTORS: [&str; 11] = ["nx", "ny", "nz", "wx", "wy", "wz", "d", "ar", "ag", "ab", "r"];
 /// The bit of a code for the root of the magnitude.
 const ROOT: u16 = 16;
@@ -45,7 +45,7 @@ impl BmfrFeatures {
         self.count
     }
 
-    /// Their codes, two a word, as shaders read them.
+    /// Codes, two a word, as shaders read them.
     pub fn words(&self) -> [u32; MOST_FEATURES / 2] {
         std::array::from_fn(|i| u32::from(self.codes[2 * i]) | u32::from(self.codes[2 * i + 1]) << 16)
     }
@@ -55,7 +55,7 @@ impl BmfrFeatures {
     }
 }
 
-/// Those of Koskela et al. 2019.
+/// The features of Koskela et al. 2019.
 impl Default for BmfrFeatures {
     fn default() -> Self {
         Self::parse("1,nx,ny,nz,wx,wy,wz,wx*wx,wy*wy,wz*wz").unwrap_or_else(|| unreachable!())

@@ -11,7 +11,7 @@ registered! {
 
     /// The default.
     SVGF = "svgf", "Spatiotemporal variance-guided filtering: about six passes each";
-    /// Of indirect light; other signals get SVGF.
+    /// BMFR of indirect light; other signals get SVGF.
     BMFR = "bmfr", "Blockwise multi-order feature regression of indirect light: three passes; other signals get SVGF";
     /// No denoiser.
     NONE = "none", "The noisy rays of each frame as they are, at no cost";
@@ -28,7 +28,7 @@ pub enum Noise {
 
 choices!(Noise);
 
-/// What glossy surfaces mirror that reflection rays hit.
+/// Reflections in glossy surfaces that reflection rays hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum SecondReflections {
     /// Whatever further rays hit, up to --reflection-depth surfaces; then their mean irradiance.
@@ -52,7 +52,7 @@ settings! {
     /// Reflections of reflections: how many glossy surfaces a ray follows. More: mirrors in mirrors, at as many times more rays
     /// where there are any.
     "reflection_depth" reflection_depth: u32 = 2, whole("N", 1, 8);
-    /// What glossy surfaces mirror that reflection rays hit. The split sum saves the further rays.
+    /// Reflections in glossy surfaces that reflection rays hit. The split sum saves the further rays.
     "second_reflections" second_reflections: SecondReflections = SecondReflections::Rays, choice::<SecondReflections>();
     /// Roughness up to which surfaces mirror; rougher ones blend smoothly into their mean irradiance; auto: 1 with --indirect paths,
     /// else 0.6. More: truer rough surfaces, more rays.

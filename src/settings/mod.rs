@@ -67,7 +67,7 @@ pub enum Reflections {
     Rays,
 }
 
-/// What smooths edges.
+/// Smoothing of edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Antialiasing {
     /// Temporal antialiasing over 16 frames: about 0.4 ms at 1920x1080 where 500 GB/s move.
@@ -115,7 +115,7 @@ settings! {
     "indirect" indirect: Indirect = Indirect::VPLS, choice::<Indirect>();
     /// Shadows of direct light.
     "direct" direct: Direct = Direct::Auto, choice::<Direct>();
-    /// What glossy surfaces mirror.
+    /// Reflections in glossy surfaces.
     "reflections" reflections: Reflections = Reflections::Auto, choice::<Reflections>();
     /// Smoothing of edges.
     "antialiasing" antialiasing: Antialiasing = Antialiasing::Taa, choice::<Antialiasing>();

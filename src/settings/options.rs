@@ -48,7 +48,7 @@ impl From<Table> for GivenSettings {
 }
 
 impl Setting {
-    /// Its option.
+    /// The setting's option.
     fn argument(&'static self, heading: &'static str) -> Arg {
         let argument = Arg::new(self.key)
             .long(self.option())
@@ -98,7 +98,7 @@ impl clap::FromArgMatches for GivenSettings {
 }
 
 impl GivenSettings {
-    /// Those of some settings, all of which are options of the command.
+    /// The values given for some settings, all of which are options of the command.
     fn among(settings_of: impl Iterator<Item = &'static Setting>, matches: &ArgMatches) -> Self {
         let mut given = Self::default();
         let mut settings = Settings::default();
@@ -119,7 +119,7 @@ impl GivenSettings {
 pub struct GivenDenoising(pub GivenSettings);
 
 impl GivenDenoising {
-    /// Its groups with their settings.
+    /// Groups with their settings.
     fn groups() -> impl Iterator<Item = (super::Group, Vec<&'static Setting>)> {
         let is_own = |group: &super::Group, setting: &Setting| {
             ["settings.svgf", "settings.bmfr"].contains(&group.table)

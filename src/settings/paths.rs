@@ -13,7 +13,7 @@ pub enum PathFilter {
     Sspsf,
     /// Hashed cells of visible surfaces: a pixel has the mean of its cell.
     Hpsf,
-    /// The same at every vertex of a path: light of the next one comes from its cell, so that over frames all bounces add up.
+    /// Hashed cells at every vertex of a path: light of the next one comes from its cell, so that over frames all bounces add up.
     Nhpsf,
     /// nhpsf, and each frame goes on with a path of earlier frames, by two more rays a pixel: cells that no short path reaches get light.
     ANhpsf,
@@ -21,14 +21,14 @@ pub enum PathFilter {
     Cache,
 }
 
-/// What normals are in the key of a cell.
+/// The normal in the key of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum CellNormal {
-    /// Those of the triangles.
+    /// The normals of the triangles.
     Exact,
-    /// The same, jittered.
+    /// The normals of the triangles, jittered.
     Jittered,
-    /// Those of the triangles, but in the verification alone: cells of one place stand side by side.
+    /// The normals of the triangles, but in the verification alone: cells of one place stand side by side.
     Verification,
 }
 

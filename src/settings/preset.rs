@@ -1,6 +1,6 @@
-//! Presets: settings as a whole. Those of a thesis are true to it, where it says; where it does not, they are those of its sources.
+//! Presets: settings as a whole. A thesis's preset follows it, where it says; elsewhere it follows the thesis's sources.
 //!
-//! A preset sets all that decides how light is computed, and leaves what the picture is of: its size, exposure, seed and time step.
+//! A preset sets all that decides how light is computed, and leaves the picture's size, exposure, seed and time step.
 
 use super::value::choices;
 use super::{
@@ -31,7 +31,7 @@ pub enum Preset {
 choices!(Preset);
 
 impl Settings {
-    /// Those of a preset, with what the picture is of kept.
+    /// The settings of a preset, with those of size, time and looks kept.
     #[must_use]
     pub fn with_preset(&self, preset: Preset) -> Self {
         let Self { size, target_fps, seed, time_step, tracer, exposure, tone_map, .. } = *self;

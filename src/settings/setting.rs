@@ -8,9 +8,9 @@ use super::{PRESET, Settings};
 /// A setting.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setting {
-    /// Its key in scene files and reports; with `-` for `_` its option.
+    /// Key in scene files and reports; with `-` for `_` its option.
     pub key: &'static str,
-    /// What it accepts.
+    /// Type and range of its values.
     pub kind: Kind,
     /// Whether the window's panel may change it.
     pub live: bool,
@@ -22,11 +22,11 @@ pub(crate) struct Setting {
 /// The settings of a method, or those that all share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Group {
-    /// Its table in a scene file: `settings` or `settings.vpls`.
+    /// Table in a scene file: `settings` or `settings.vpls`.
     pub table: &'static str,
-    /// Its title in help and panel.
+    /// Title in help and panel.
     pub title: &'static str,
-    /// Its settings, in order.
+    /// Settings, in order.
     pub settings: &'static [Setting],
     /// Whether they have an effect.
     pub in_use: fn(&Settings) -> bool,
@@ -36,7 +36,7 @@ pub(crate) struct Group {
 
 /// Two settings whose values do not go together.
 pub(super) struct Conflict {
-    /// Their keys.
+    /// Keys.
     pub keys: [&'static str; 2],
     /// One line that names both.
     pub message: String,
@@ -48,13 +48,13 @@ impl Setting {
         self.key.replace('_', "-")
     }
 
-    /// What it does and what it costs, and its range; without a full stop at the end.
+    /// Effect and cost, and its range; without a full stop at the end.
     pub fn help(&self) -> String {
         let text = self.documentation.trim().trim_end_matches('.');
         self.kind.range().map_or_else(|| text.to_owned(), |range| format!("{text} [{range}]"))
     }
 
-    /// Its help, and that of each of its values.
+    /// Help of this setting and of each of its values.
     pub fn full_help(&self) -> String {
         let values = self
             .kind
@@ -64,12 +64,12 @@ impl Setting {
         self.help() + &values.collect::<String>()
     }
 
-    /// Its value.
+    /// Value of this setting in `settings`.
     pub fn value(&self, settings: &Settings) -> toml::Value {
         (self.value)(settings)
     }
 
-    /// Its value in the syntax of the command line.
+    /// Value of this setting in `settings`, in the syntax of the command line.
     pub fn text(&self, settings: &Settings) -> String {
         let value = self.value(settings);
         match (self.kind, value.as_float()) {

@@ -13,7 +13,7 @@ const ALPHA: Kind = number("SHARE", 0.0, 1.0);
 /// The range of levels of the filter.
 const LEVELS: Kind = whole("N", 0, 5);
 
-/// What bounds history by the colours of the new frame.
+/// The bound of history by the colours of the new frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum HistoryClamp {
     /// Nothing. --svgf-history-rejection tests its mean.
@@ -96,8 +96,8 @@ settings! {
 }
 
 impl SvgfSettings {
-    /// How far from a pixel all levels of the filter reach, pixels.
-    pub fn reach(&self) -> f32 {
+    /// Radius of the whole filter, pixels.
+    pub fn filter_radius(&self) -> f32 {
         ((2 << self.levels) - 2) as f32
     }
 }

@@ -9,7 +9,7 @@ use toml::Value;
 
 use super::bmfr_features::{FEATURES_HELP, MOST_FEATURES};
 
-/// What a setting accepts. `Display` completes the sentence "must be ...".
+/// Values that a setting accepts. `Display` completes the sentence "must be ...".
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind {
     /// A whole number.
@@ -75,7 +75,7 @@ impl Kind {
         }
     }
 
-    /// What stands for a value in the help of an option.
+    /// Placeholder of a value in the help of an option.
     pub fn unit(&self) -> Option<Cow<'static, str>> {
         Some(match *self {
             Self::Whole { unit, .. } | Self::Number { unit, .. } => unit.into(),

@@ -46,7 +46,7 @@ settings! {
     /// VPLs whose shadows are traced: n x n pixels of all temporal sets share so many occlusion rays. More: smoother indirect
     /// light; shadow rays grow in proportion.
     "vpls" slots: u32 = 512, whole("N", 1, 65_536);
-    /// VPLs to draw these from; at least --vpls, of which it is rounded up to a multiple. More: light that is nearer to the
+    /// VPLs to sample these from; at least --vpls, of which it is rounded up to a multiple. More: light that is nearer to the
     /// reference, at no more rays, but more CPU time where a light or an object moves.
     "pool" pool: u32 = 16_384, whole("N", 1, 65_536);
     /// Most light paths tried for a VPL, of which one is taken, mostly one that lights what the camera sees. More: less light that

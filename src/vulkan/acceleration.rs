@@ -1,4 +1,4 @@
-//! Acceleration structures of `VK_KHR_acceleration_structure`: what ray queries traverse.
+//! Acceleration structures of `VK_KHR_acceleration_structure`, for ray queries.
 //!
 //! In: triangles in device memory, and instance transforms. Out: a compacted [`BottomLevel`] for each mesh, and a
 //! [`TopLevel`] over the instances, built within a frame.

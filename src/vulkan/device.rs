@@ -269,7 +269,7 @@ impl Device {
     /// Submits recorded commands, after which `fence` is signalled.
     ///
     /// # Safety
-    /// What they use must live until then.
+    /// Resources that they use must live until then.
     pub(super) unsafe fn submit(
         &self,
         commands: vk::SubmitInfo2<'_>,

@@ -16,7 +16,7 @@ pub enum VulkanError {
     /// `--device` matches no device.
     #[error("--device {wanted}: no such device; available: {available}")]
     UnknownDevice {
-        /// What was requested.
+        /// The requested device.
         wanted: String,
         /// Devices by index and name.
         available: String,
@@ -31,7 +31,7 @@ pub enum VulkanError {
     Call {
         /// The operation.
         operation: &'static str,
-        /// Its object.
+        /// Object.
         object: String,
         /// The driver's result code.
         result: vk::Result,
@@ -44,7 +44,7 @@ pub enum VulkanError {
         "not enough device memory for {object} ({mebibytes} MiB): {reason}; try a smaller --size, --temporal-sets or scene"
     )]
     Memory {
-        /// What it was for.
+        /// The object.
         object: String,
         /// Size, MiB.
         mebibytes: u64,
@@ -54,7 +54,7 @@ pub enum VulkanError {
     /// The settings or the scene exceed a limit of the device.
     #[error("{what} exceeds the device's limit of {limit}; try a smaller --size, --temporal-sets or scene")]
     Limit {
-        /// What was requested, with its size.
+        /// The requested object, with its size.
         what: String,
         /// The device's limit.
         limit: u64,
@@ -67,7 +67,7 @@ pub enum VulkanError {
         pass: String,
         /// Binding name.
         binding: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// A compiled shader could not be read.
@@ -75,12 +75,12 @@ pub enum VulkanError {
     Shader {
         /// Shader name.
         name: String,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
 }
 
-/// What a code means to whoever reads the line.
+/// Explanation of a result code to the user.
 fn reason(result: vk::Result) -> String {
     match result {
         vk::Result::ERROR_DEVICE_LOST => {

@@ -24,7 +24,7 @@ pub struct FrameTimes {
     /// Device time of each pass up to the start of the next, ms, in the order of recording; a name may occur several
     /// times.
     pub passes: Vec<(&'static str, f64)>,
-    /// What [`Frame::read_back`] copied.
+    /// Bytes that [`Frame::read_back`] copied.
     pub readback: Vec<u8>,
 }
 

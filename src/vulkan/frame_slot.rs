@@ -1,6 +1,6 @@
 //! Frames in flight: command buffer, fence, timers, descriptor pools and upload memory of one frame.
 //!
-//! In: what [`super::Frame`] records. Out: a submission, and its times once the device has finished it.
+//! In: the commands of [`super::Frame`]. Out: a submission, and its times once the device has finished it.
 
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@ static LOSSES: LazyLock<Vec<u64>> = LazyLock::new(|| {
     let text = std::env::var("GLOWWORM_LOSE_DEVICE").unwrap_or_default();
     text.split(',').filter_map(|number| number.parse().ok()).collect()
 });
-/// Of all devices so far.
+/// Submissions of all devices so far.
 static SUBMISSIONS: AtomicU64 = AtomicU64::new(0);
 
 /// Whether a device is lost on purpose. It stays so.

@@ -191,7 +191,7 @@ pub(super) fn queue_family(instance: &ash::Instance, device: vk::PhysicalDevice)
     u32::try_from(index).ok()
 }
 
-/// Of drivers that are not fully Vulkan, such as MoltenVK.
+/// Extension of drivers that are not fully Vulkan, such as MoltenVK.
 const PORTABILITY_SUBSET: &CStr = c"VK_KHR_portability_subset";
 
 pub(super) fn create_device(

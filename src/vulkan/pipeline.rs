@@ -18,7 +18,7 @@ use super::{Device, Reflection, VulkanError};
 #[derive(Clone)]
 pub struct ComputePipeline(pub(super) Arc<Compute>);
 
-/// What a [`ComputePipeline`] owns.
+/// Handles that a [`ComputePipeline`] owns.
 pub(super) struct Compute {
     pub raw: vk::Pipeline,
     pub layout: Layout,
@@ -85,7 +85,7 @@ impl Drop for Compute {
 /// Parameters of a [`GraphicsPipeline`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GraphicsDescription {
-    /// For messages and debuggers.
+    /// Name for messages and debuggers.
     pub name: &'static str,
     /// Compiled vertex shader.
     pub vertex: &'static [u8],
@@ -108,7 +108,7 @@ pub struct GraphicsDescription {
 #[derive(Clone)]
 pub struct GraphicsPipeline(pub(super) Arc<Graphics>);
 
-/// What a [`GraphicsPipeline`] owns.
+/// Handles that a [`GraphicsPipeline`] owns.
 pub(super) struct Graphics {
     pub variants: Vec<vk::Pipeline>,
     pub layout: Layout,

@@ -35,7 +35,7 @@ pub struct Binding {
     pub set: u32,
     /// Binding number within the set.
     pub binding: u32,
-    /// Its descriptor type.
+    /// Descriptor type.
     pub kind: BindingKind,
     /// Whether a function that the entry point calls, directly or not, names it.
     pub used: bool,
@@ -166,7 +166,7 @@ impl<'a> Reader<'a> {
         reflection.bindings.insert(name, binding);
     }
 
-    /// Every id in the functions that the entry point reaches: what Vulkan calls static use.
+    /// Every id in the functions that the entry point reaches: static use in Vulkan's terms.
     fn statically_used(&self) -> BTreeSet<Word> {
         let mut used = BTreeSet::new();
         let mut next: Vec<Word> = self.module.entry_points.iter().map(|point| id_at(point, 1)).collect();

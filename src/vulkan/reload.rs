@@ -11,7 +11,7 @@ use super::shaders;
 /// Compiles all shaders of the repository into a folder.
 const COMPILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/compile-shaders");
 
-/// What has changed: SPIR-V of the program, and of the sources. Never freed, since pipelines remember it.
+/// Shaders that have changed: SPIR-V of the program, and of the sources. Never freed, since pipelines remember it.
 static CHANGED: Mutex<Vec<(&[u8], &[u8])>> = Mutex::new(Vec::new());
 
 fn changed() -> MutexGuard<'static, Vec<(&'static [u8], &'static [u8])>> {
@@ -26,7 +26,7 @@ pub(super) fn newest(built: &'static [u8]) -> &'static [u8] {
 /// Compiles the shaders of the repository; pipelines that are made from now on are of them.
 ///
 /// # Errors
-/// One line: what the compiler refuses first. Nothing has changed then.
+/// One line: the first error of the compiler. Nothing has changed then.
 pub fn compile_shaders() -> Result<(), String> {
     compile_with(Path::new(COMPILE))
 }

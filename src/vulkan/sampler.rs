@@ -8,7 +8,7 @@ use super::{Device, VulkanError};
 
 /// How a texture is read.
 pub struct SamplerDescription {
-    /// Along u and v.
+    /// Address modes along u and v.
     pub modes: [vk::SamplerAddressMode; 2],
     /// Where it is magnified.
     pub magnified: vk::Filter,

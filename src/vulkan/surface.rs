@@ -42,7 +42,7 @@ impl Surface {
         })
     }
 
-    /// Its instance.
+    /// Instance.
     pub fn instance(&self) -> &Arc<Instance> {
         &self.instance
     }

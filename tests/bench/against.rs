@@ -81,7 +81,7 @@ fn noise_is_no_change() {
         alarms +=
             compare_reports(&old, &new).changes.iter().filter(|change| change.quantity == "total").count();
     }
-    // Of 50 times 10; what is the same in all passes here would be reported of each.
+    // There are 50 times 10 totals; the passes vary alike here, so each of them would be reported, too.
     assert!(alarms <= 8, "{alarms} false alarms");
 }
 

@@ -46,7 +46,7 @@ target = [0, 0.4, 0]
 animation = { keyframes = [{ time = 0 }, { time = 1, translation = [1, 0.5, -0.5], rotation = [-5, 10, 0] }] }
 "#;
 
-/// The same with a metal floor, a pane before it and a lamp with soft shadows.
+/// The plain scene with a metal floor, a pane before it and a lamp with soft shadows.
 fn glossy() -> String {
     let pane = r#"
 [[models]]
@@ -98,14 +98,14 @@ fn bits(run: &Run, name: impl Fn(u32) -> String) -> Vec<Vec<[u32; 3]>> {
     (0..FRAMES).map(of).collect()
 }
 
-/// What the renderer wrote for its denoisers of the plain scene.
+/// The data set that the renderer wrote for its denoisers of the plain scene.
 static LIVE: LazyLock<Run> = LazyLock::new(|| {
     let run = run_with(PLAIN);
     render(&run, "svgf{frame}.exr", &["--denoise", "svgf", "--dataset", "set"]);
     run
 });
 
-/// The same under a square lamp: its light is noisy, and has no edges that a denoiser could blur.
+/// The plain scene under a square lamp: its light is noisy, and has no edges that a denoiser could blur.
 fn soft() -> String {
     let (before, after) = PLAIN.split_once("[[lights]]").unwrap();
     let (_, camera) = after.split_once("[camera]").unwrap();
@@ -123,7 +123,7 @@ rotation = [180, 0, 0]
     format!("{before}{lamp}[camera]{camera}")
 }
 
-/// What the path tracer on the CPU did.
+/// The data set of the path tracer on the CPU.
 static TRACED: LazyLock<Run> = LazyLock::new(|| traced(PLAIN, "2"));
 
 fn traced(scene: &str, samples: &str) -> Run {
@@ -244,7 +244,7 @@ fn the_path_tracers_features_are_those_of_the_renderer() {
     let live = open(&LIVE, Layout::Live);
     for (frames, tolerance) in [
         (open(&TRACED, Layout::Parts), 0.02),
-        // What the renderer writes for all, half floats apart, too.
+        // The renderer writes these features for any denoiser, too, apart from half floats.
         (open(&LIVE, Layout::Parts), 1e-3),
     ] {
         for frame in 0..FRAMES {
@@ -455,7 +455,7 @@ fn bad_data_sets_of_the_renderer_are_one_line() {
     ] {
         assert_fails(&run.glowworm(&["denoise", folder, "--out", "out.exr"]), 1, &[says]);
     }
-    // What would overwrite something.
+    // Outputs that would overwrite something are refused.
     for (more, says) in [
         (["--out", "json/live{frame}.exr", "--json", "a.json"], "--out json/live"),
         (["--out", "a.exr", "--json", "json/frame0.json"], "--json json/frame0.json"),
@@ -463,7 +463,7 @@ fn bad_data_sets_of_the_renderer_are_one_line() {
     ] {
         assert_fails(&run.glowworm(&[&["denoise", "json"], &more[..]].concat()), 2, &[says]);
     }
-    // What the renderer refuses to write.
+    // The renderer refuses these data sets.
     let paths = ["--antialiasing", "none", "--still-frames", "0", "--indirect"];
     for (arguments, code, says) in [
         (&["--indirect", "paths"][..], 2, "--dataset new: needs --antialiasing none --still-frames 0"),

@@ -15,7 +15,7 @@ pub static DONE: LazyLock<Run> = LazyLock::new(|| {
     let run = Run::new();
     let options =
         ["--size=72x48", "--vpls=32", "--temporal-sets=1,4", "--interleave=1,2", "--quality", "--spp=16"];
-    // Antialiasing and reflections take longer to stand still than these few frames.
+    // Antialiasing and reflections take more frames to freeze than these few.
     let scenes = [
         "bench",
         "--antialiasing=none",

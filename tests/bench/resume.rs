@@ -31,7 +31,7 @@ fn plan() -> Plan {
             .map(|(key, values)| (key.to_owned(), values))
             .into(),
         },
-        // A picture that stands still is complete after many frames.
+        // A still picture is frozen after many frames.
         settings: toml::toml! { interleave = 1 antialiasing = "none" reflections = "none" still_frames = 24 },
     }
 }

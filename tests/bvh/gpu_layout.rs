@@ -90,7 +90,7 @@ fn twin_meets_each_thin_surface_once() {
     let mut world = World::new(vec![grid(2, 8), soup(&mut random, 40), grid(2, 8)]);
     world.scene.materials.push(Material { transmission: 1.0, ..Material::lambertian("glass", Vec3::ONE) });
     std::sync::Arc::make_mut(&mut world.scene.meshes[0]).triangle_materials.fill(1);
-    // Of different sizes, so that the largest would be split.
+    // The triangles differ in size, so that the largest would be split.
     let soup = std::sync::Arc::make_mut(&mut world.scene.meshes[1]);
     soup.triangle_materials.fill(1);
     soup.positions[0] *= 10.0;

@@ -33,7 +33,7 @@ fn thin_surfaces(random: &mut Random) -> World {
     world
 }
 
-/// What a crossed triangle of [`thin surfaces`] lets pass.
+/// Transmittance of a crossed triangle of [`thin surfaces`].
 fn passed(world: &World, crossing: &Crossing) -> DVec3 {
     let mesh = &world.scene.meshes[0];
     let colour = |channel: usize| {

@@ -20,7 +20,7 @@ pub struct TracerHit {
     pub barycentrics: Vec2,
 }
 
-/// What is wanted of a segment, as in the shader.
+/// The hit that a query looks for, as in the shader.
 #[derive(Clone, Copy, PartialEq)]
 enum Wanted {
     Closest,

@@ -1,4 +1,4 @@
-//! What BMFR must do to signals whose answer is known, and its fit against one by 64-bit numbers.
+//! Checks BMFR with signals whose answer is known, and its fit against one by 64-bit numbers.
 
 use glam::{DVec3, IVec2, Vec3, Vec4, Vec4Swizzles};
 use glowworm::denoise::bmfr::Bmfr;
@@ -75,7 +75,7 @@ fn features(n: DVec3, w: DVec3) -> [f64; 10] {
     [1.0, n.x, n.y, n.z, w.x, w.y, w.z, w.x * w.x, w.y * w.y, w.z * w.z]
 }
 
-/// Of the squared weights, for each texel. Twin: shaders/denoise/bmfr_fit.comp.
+/// Weight of the squared coefficients, for each texel. Twin: shaders/denoise/bmfr_fit.comp.
 const PENALTY: f64 = 1e-6;
 
 /// Least squares by the normal equations, in 64 bits.
@@ -110,7 +110,7 @@ fn least_squares(rows: &[([f64; 10], DVec3)]) -> [DVec3; 10] {
     b
 }
 
-/// What the first frame's fit is of these pixels.
+/// The first frame's fit of these pixels.
 fn twin(seen: &[Pixel]) -> Vec<Vec3> {
     let mut fitted = vec![Vec3::ZERO; seen.len()];
     let (width, height) = (WIDTH as i32, HEIGHT as i32);

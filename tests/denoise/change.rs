@@ -52,7 +52,7 @@ fn a_light_that_is_switched_off_is_forgotten() {
     for [after_4, after_16] in [half, rough, mirror] {
         assert!(after_4 < 0.05 && after_16 < 1e-3, "{after_4}, {after_16}");
     }
-    // Of what less than a tenth of the light reaches, 16 rays in 25 pixels tell little.
+    // Where less than a tenth of the light arrives, 16 rays in 25 pixels tell little.
     assert!(penumbra[0] < 0.05 && penumbra[1] < 0.02, "{penumbra:?}");
     let never =
         left(&gpu, &SvgfSettings { history_rejection: 0.0, ..settings }, |_, random| shadow(0.5, random));
@@ -95,7 +95,7 @@ fn signal(x: f32) -> f32 {
     1.0 + (x * 20.0).sin().signum() * 0.5
 }
 
-/// What still noise converges to: its mean, and SSIM of a frame with the reference, means over the frames from 40 to 100.
+/// Limits of still noise: its mean, and SSIM of a frame with the reference, means over the frames from 40 to 100.
 fn converged(gpu: &GpuFixture, settings: &SvgfSettings, rare: Rare) -> [f64; 2] {
     let table = include_bytes!("../../src/gpu_scene/blue_noise.bin");
     let mut bench = Bench::new(&gpu.device, settings);

@@ -7,9 +7,9 @@ mod bmfr;
 #[path = "../bvh_support/mod.rs"]
 mod bvh_support;
 mod change;
+mod filter_radius;
 #[path = "../support/mod.rs"]
 mod gpu;
-mod reach;
 mod reprojection;
 mod stages;
 mod support;

@@ -16,7 +16,7 @@ type Object = (u32, i32, i32, f32);
 
 const WALL: f32 = 8.0;
 
-/// What a pixel sees of the objects: instance and depth.
+/// The object that a pixel sees: instance and depth.
 fn seen(objects: &[Object], at: IVec2) -> (u32, f32) {
     let before = objects.iter().find(|(_, first, columns, _)| (*first..first + columns).contains(&at.x));
     before.map_or((0, WALL), |(instance, _, _, depth)| (*instance, *depth))
@@ -27,7 +27,7 @@ struct Reprojection {
     bench: Bench,
     pass: ReprojectionPass,
     instances: Buffer,
-    /// Of all surfaces.
+    /// The normal of all surfaces.
     normal: Vec3,
 }
 
@@ -173,7 +173,7 @@ fn five_thousand_instances_are_told_apart() {
 fn each_test_can_be_left_out() {
     let all = EffectSettings::default();
     let turned = Vec3::new(0.8, 0.0, 0.6);
-    // What was there before: another instance at the same depth, the same one turned, the same one farther away.
+    // The surface before was another instance at the same depth, the same one turned, the same one farther away.
     for (then, now, normal_then, without) in [
         ((2, 20, 10, 4.0), (1, 20, 10, 4.0), Vec3::Z, EffectSettings { reprojection_instance: false, ..all }),
         ((1, 20, 10, 4.0), (1, 20, 10, 4.0), turned, EffectSettings { reprojection_normal: false, ..all }),

@@ -19,7 +19,7 @@ pub const HEIGHT: usize = 45;
 /// Tangents of half the field of view.
 const HALF_VIEW: Vec2 = Vec2::new(0.8, 0.8 * HEIGHT as f32 / WIDTH as f32);
 
-/// What the denoiser reads of a pixel. Twin of `DenoiserPixel` in shaders/test/fill_denoiser_inputs.comp.
+/// The denoiser's inputs of a pixel. Twin of `DenoiserPixel` in shaders/test/fill_denoiser_inputs.comp.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Pixel {
@@ -76,7 +76,7 @@ pub fn position_at(pixel: IVec2, depth: f32) -> Vec3 {
     depth * Vec3::new(at.x * HALF_VIEW.x, -at.y * HALF_VIEW.y, -1.0)
 }
 
-/// Of a pixel.
+/// Width of a pixel at a depth.
 pub fn footprint(depth: f32) -> f32 {
     depth * HALF_VIEW.y * 2.0 / HEIGHT as f32
 }
@@ -202,7 +202,7 @@ impl<Kind: Denoiser> Bench<Kind> {
             depth: &self.depth,
             normal: &self.normal,
             surface: &self.surface,
-            // Of which the last channel is read: 1 of the signal, 0 of a normal that faces the eye.
+            // The denoiser reads the last channel only: 1 of the signal, 0 of a normal that faces the eye.
             albedo: if self.is_rough { &self.noisy } else { &self.normal },
             reprojected: &self.reprojected,
             camera_moves: false,

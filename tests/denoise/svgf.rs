@@ -1,4 +1,4 @@
-//! What SVGF must do to signals whose answer is known (the checklist of its behaviour: constants, impulses, edges, grazing planes,
+//! Checks SVGF with signals whose answer is known (the checklist of its behaviour: constants, impulses, edges, grazing planes,
 //! variance, numbers that are none).
 
 use bytemuck::Zeroable;

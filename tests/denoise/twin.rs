@@ -5,7 +5,7 @@ use glowworm::settings::SvgfSettings;
 
 use crate::support::{HEIGHT, Pixel, WIDTH, footprint, position_at};
 
-/// What is known before a frame.
+/// History before a frame.
 pub struct Before<'a> {
     pub history: &'a [Vec4],
     pub moments: &'a [Vec4],
@@ -24,19 +24,19 @@ fn place_of(pixel: usize) -> IVec2 {
     IVec2::new((pixel % WIDTH) as i32, (pixel / WIDTH) as i32)
 }
 
-/// What a noisy pixel counts as, where light is averaged as Reinhard's curve has it.
+/// Value of a noisy pixel, where light is averaged as Reinhard's curve has it.
 fn signal(settings: &SvgfSettings, pixel: &Pixel) -> Vec3 {
     let light = Vec4::from(pixel.noisy).xyz();
     if settings.reinhard { light / (1.0 + luminance(light)) } else { light }
 }
 
-/// What the last step of the filter makes of a texel of that.
+/// Light of a filtered texel: the inverse of `signal`'s curve.
 pub fn expanded(texel: Vec4) -> Vec4 {
     let rest = 1.0 - luminance(texel.xyz());
     Vec4::new(texel.x / rest, texel.y / rest, texel.z / rest, texel.w / (rest * rest))
 }
 
-/// Over those of 5x5 texels of the last frame that have a history: mean luminance, its standard deviation, and by how much the mean
+/// Statistics of those of 5x5 texels of the last frame that have a history: mean luminance, its standard deviation, and by how much the mean
 /// of the last frames differs; and how many texels there are at all.
 fn recent(moments: &[Vec4], place: IVec2) -> [f32; 4] {
     let around = (-2..=2).flat_map(|y| (-2..=2).map(move |x| place + IVec2::new(x, y)));

@@ -97,20 +97,20 @@ fn shaders_reflect_as_the_cpu_does() {
             f0: f0_f90.truncate(),
             f90: f0_f90.w,
         };
-        let seen = bsdf.seen(normal_roughness.truncate(), to_eye.truncate());
+        let reflection = bsdf.prepare(normal_roughness.truncate(), to_eye.truncate());
         let close = |got: Vec3, expected: Vec3| {
             let allowed = 1e-4 + 2e-3 * expected.max_element();
             assert!((got - expected).abs().max_element() <= allowed, "{question:?}: {got} {expected}");
         };
-        close(answer.diffuse.truncate(), seen.diffuse_albedo());
-        close(answer.albedo.truncate(), seen.reflected_albedo());
+        close(answer.diffuse.truncate(), reflection.diffuse_albedo());
+        close(answer.albedo.truncate(), reflection.reflected_albedo());
         let light = to_light.truncate();
-        close(answer.reflected.truncate(), seen.evaluate(light).reflected);
-        if !seen.reflects() {
+        close(answer.reflected.truncate(), reflection.evaluate(light).reflected);
+        if !reflection.reflects() {
             continue;
         }
-        close(Vec3::splat(answer.reflected.w), Vec3::splat(seen.reflected_density(light)));
-        let Some(expected) = seen.sample_reflected(Vec2::new(u.x, u.y)) else { continue };
+        close(Vec3::splat(answer.reflected.w), Vec3::splat(reflection.reflected_density(light)));
+        let Some(expected) = reflection.sample_reflected(Vec2::new(u.x, u.y)) else { continue };
         let direction = answer.direction.truncate();
         assert!(direction.distance(expected.direction) < 2e-3, "{question:?}: {direction} {expected:?}");
         match expected.density {

@@ -37,7 +37,7 @@ struct TestSurface {
     pad: Vec2,
 }
 
-/// What the shader sees along rays, as cones of this width and spread.
+/// Surfaces that the shader finds along rays, as cones of this width and spread.
 fn surfaces(
     gpu: &GpuFixture,
     tracer: RayTracer,
@@ -313,7 +313,7 @@ fn pixels_are_what_rays_hit(tracer: RayTracer) {
     let Some(mut scene) = helmet() else { return };
     let pose = scene.pose(0.0);
     let bvh = TwoLevelBvh::build(&scene, &pose.instances);
-    // Of some places near the surface, that which sees most relief.
+    // The camera is the one near the surface that sees most relief.
     let relief = |camera: &Camera| {
         let rays: Vec<Ray> = pixel_rays(camera, [9, 9]).collect();
         let leans = |(ray, hit): (&Ray, &Option<Hit>)| {

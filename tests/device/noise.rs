@@ -1,4 +1,4 @@
-//! The random numbers of effects: what the table of blue noise promises, and the shader against a CPU twin.
+//! The random numbers of effects: properties of the table of blue noise, and the shader against a CPU twin.
 
 use crate::support::GpuFixture;
 use glam::{UVec2, UVec3, Vec2};
@@ -18,7 +18,7 @@ fn byte(x: usize, y: usize, frame: usize, channel: usize) -> u8 {
     TABLE[((frame * SIDE + y) * SIDE + x) * 2 + channel]
 }
 
-/// The same from 0 to 1.
+/// A channel of the table, from 0 to 1.
 fn value(x: usize, y: usize, frame: usize, channel: usize) -> f64 {
     (f64::from(byte(x, y, frame, channel)) + 0.5) / 256.0
 }

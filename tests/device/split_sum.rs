@@ -29,7 +29,7 @@ fn map() -> Arc<EnvironmentMap> {
     Arc::new(EnvironmentMap::new(MAP[0], MAP[1], (0..MAP[0] * MAP[1]).map(texel).collect()))
 }
 
-/// Of a place in an equirectangular map.
+/// Direction of a place in an equirectangular map.
 fn direction_of(u: f64, v: f64) -> DVec3 {
     let ((sin_azimuth, cos_azimuth), (sin, cos)) = ((2.0 * PI * (u - 0.5)).sin_cos(), (PI * v).sin_cos());
     DVec3::new(sin * sin_azimuth, cos, -sin * cos_azimuth)
@@ -38,7 +38,7 @@ fn direction_of(u: f64, v: f64) -> DVec3 {
 /// The mean of the environment over the lobe of a white metal, seen along its normal.
 fn integrated(environment: &Environment, normal: DVec3, roughness: f32) -> DVec3 {
     let metal = Bsdf { base: Vec3::ONE, metallic: 1.0, roughness, f0: Vec3::ZERO, f90: 0.0 };
-    let seen = metal.seen(normal.as_vec3(), normal.as_vec3());
+    let reflection = metal.prepare(normal.as_vec3(), normal.as_vec3());
     let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
     for row in 0..STEPS[0] {
         for column in 0..STEPS[1] {
@@ -46,7 +46,7 @@ fn integrated(environment: &Environment, normal: DVec3, roughness: f32) -> DVec3
             let light = direction_of((column as f64 + 0.5) / STEPS[1] as f64, v);
             let cosine = normal.dot(light);
             if cosine > 0.0 {
-                let lobe = f64::from(seen.evaluate(light.as_vec3()).reflected.x);
+                let lobe = f64::from(reflection.evaluate(light.as_vec3()).reflected.x);
                 let weight = lobe * cosine * (PI * v).sin();
                 sum += weight * environment.radiance(light.as_vec3()).as_dvec3();
                 weights += weight;

@@ -158,7 +158,7 @@ fn same_place(ray: &Ray, answer: &TestAnswer, expected: Option<&Hit>) -> bool {
     }
 }
 
-/// What rounding may move a ray.
+/// Error of a ray by rounding.
 fn blur(ray: &Ray) -> f32 {
     2e-6 * ray.origin.abs().max_element().max(ray.direction.abs().max_element())
 }
@@ -288,7 +288,7 @@ fn sheet_world(random: &mut Random) -> World {
     world
 }
 
-/// What arrives along a ray, over all triangles; none where rounding may decide otherwise.
+/// Transmittance of a ray by all triangles; none where rounding may decide otherwise.
 fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option<Vec3> {
     let scene = &world.scene;
     let mut passed = Vec3::ONE;
@@ -314,7 +314,7 @@ fn transmittance_by_brute_force(world: &World, pose: &Pose, ray: &Ray) -> Option
             continue;
         }
         let to_eye = -ray.direction.normalize();
-        let coat = material.mean_bsdf(scene).seen(met.surface.geometric_normal, to_eye);
+        let coat = material.mean_bsdf(scene).prepare(met.surface.geometric_normal, to_eye);
         passed *= material
             .thin_surface_at(scene, met.attributes)
             .transmittance(coat.reflected_albedo().max_element());

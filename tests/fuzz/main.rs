@@ -158,14 +158,14 @@ fn mutate_input(files: &mut Files, random: &mut Random) {
     }
 }
 
-/// What is wrong with how an input is handled.
+/// The fault in how an input is handled, if there is one.
 fn fault(scene: &Path, renders: bool) -> Option<String> {
     let (sender, receiver) = channel();
     let path = scene.to_str().unwrap().to_owned();
     std::thread::spawn(move || {
         let loaded = catch_unwind(AssertUnwindSafe(|| {
             let scene = load_scene(&path, None).map_err(|error| error.to_string())?;
-            // What loads can be rendered.
+            // A scene that loads can be rendered.
             if !renders {
                 return Ok(scene.warnings);
             }

@@ -97,10 +97,10 @@ fn a_directional_light_shines_along_its_direction_with_a_highlight() {
         // Light that is scattered twice adds little here: the floor is seen from above.
         let bsdf =
             Bsdf { base: Vec3::splat(0.5), metallic: 0.0, roughness: 0.6, f0: Vec3::splat(0.3), f90: 1.0 };
-        let seen = bsdf.seen(Vec3::Y, to_eye);
-        let again = seen.evaluate(to_light).reflected.x / (fresnel * d * v);
+        let reflection = bsdf.prepare(Vec3::Y, to_eye);
+        let again = reflection.evaluate(to_light).reflected.x / (fresnel * d * v);
         assert!((1.0..1.1).contains(&again), "{again}");
-        (seen.diffuse_albedo().x / PI + fresnel * d * v * again) * 2.0 * to_light.y
+        (reflection.diffuse_albedo().x / PI + fresnel * d * v * again) * 2.0 * to_light.y
     };
     assert_floor(&rendered, &colour(&rendered), expected, 0.01);
 }

@@ -1,4 +1,4 @@
-//! Lights with an extent: what they send, and which shadows a sphere casts.
+//! Lights with an extent: their flux, and the shadows that a sphere casts.
 
 use std::f32::consts::{PI, TAU};
 
@@ -80,7 +80,7 @@ fn a_disc_cut_by_the_horizon_shines_with_what_is_above() {
         let expected = (2.0 * 2.0 / (2.0 - cap) * mean_cosine) as f32 * 0.5 / PI;
         let rendered = picture(&floor(&sun(-to_sun, degrees)), &settings(8, Some(0)), 1024);
         assert_near(mean(&colour(&rendered)).x, expected, 0.01);
-        // Among others, each is drawn in its turn.
+        // Among others, each is sampled at times.
         let both = format!("{}{}", sun(-to_sun, degrees), sun(Vec3::NEG_Y, 4.0));
         let rendered = picture(&floor(&both), &settings(8, Some(0)), 2048);
         assert_near(mean(&colour(&rendered)).x, expected + 0.5 / PI * 2.0, 0.01);

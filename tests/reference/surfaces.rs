@@ -1,4 +1,4 @@
-//! What surfaces reflect and let pass: white furnaces, mirrors, thin surfaces.
+//! Reflection and transmission by surfaces: white furnaces, mirrors, thin surfaces.
 
 use glam::{Affine3A, Vec3};
 use glowworm::scene::{

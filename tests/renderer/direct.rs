@@ -42,7 +42,7 @@ fn check(light: &str) {
     check_with(light, SpotFalloff::Smooth);
 }
 
-/// The same where a spot falls like this.
+/// Checks a light, where spots have this falloff.
 fn check_with(light: &str, of_spot: SpotFalloff) {
     let Some(gpu) = GpuFixture::open() else { return };
     let mut scene = scene(&floor(light));

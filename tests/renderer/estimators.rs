@@ -21,7 +21,7 @@ use super::views::{STUDIO, settings};
 
 const AMBIENT: f32 = 0.75;
 
-/// The same irradiance everywhere.
+/// An estimator of constant irradiance.
 struct Ambient {
     pipeline: ComputePipeline,
     irradiance: Image,

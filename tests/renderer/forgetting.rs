@@ -49,7 +49,7 @@ fn check(change: impl Fn(&mut Pose, f32)) {
     check_in(&scene(ROOM), change);
 }
 
-/// The same in another scene.
+/// [`check`] in another scene.
 pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
     let Some(gpu) = GpuFixture::open() else { return };
     let settings = Settings {
@@ -62,7 +62,7 @@ pub(super) fn check_in(scene: &Arc<Scene>, change: impl Fn(&mut Pose, f32)) {
             interleave: 1,
             pool: 200,
             clamp: 0.0,
-            // What sets hold of turns before is looked at below.
+            // History of earlier cycles is tested below.
             longest_history: 0,
             ..VplSettings::default()
         },
@@ -193,14 +193,14 @@ fn a_light_that_jumps_is_shown_at_once() {
     }
     eprintln!("{stale} before, then {after_frames:?}");
     assert!(stale > 0.2, "{stale}");
-    // Without weights, three quarters of what is stale would be left after 4 frames, half after 8. What is left is noise: half of
+    // Without weights, three quarters of the stale light would be left after 4 frames, half after 8. The rest is noise: half of
     // the slots are not yet shot after 4.
     assert!(after_frames[3] <= 0.4 * stale, "{after_frames:?}");
     assert!(after_frames[7] <= 0.15 * stale, "{after_frames:?}");
     assert!(after_frames[15] <= 0.025, "{after_frames:?}");
 }
 
-/// What sets hold of turns before lags by no more than a round of turns, wherever something has moved or a light has gone.
+/// History of earlier cycles lags by no more than a cycle, wherever an object has moved or a light has gone.
 #[test]
 fn a_jump_is_shown_after_one_round_of_turns() {
     let Some(gpu) = GpuFixture::open() else { return };

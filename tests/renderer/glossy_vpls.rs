@@ -65,7 +65,7 @@ fn glossy_floors_light_the_wall_where_they_mirror_the_light() {
         let scene = wall_behind(floor);
         let expected = reference(&format!("glossy-floor-{name}"), &scene, SIZE, 1, 400);
         let found = gpu.rendered(&Arc::new(scene), &exact(SIZE), 1).read_picture(true).unwrap();
-        // Of the wall only; the upper and the lower half of the picture.
+        // The wall alone counts; its upper and lower half apart.
         let is_wall: Vec<bool> = layer(&found, "normal").iter().map(|normal| normal[2] > 0.5).collect();
         let half = is_wall.len() / 2;
         let light = |picture, rows: std::ops::Range<usize>| {

@@ -80,7 +80,7 @@ impl File {
         self.image(&image, nearest)
     }
 
-    /// The same, nearest, beyond its borders as `wrap` says.
+    /// A texture of two texels, read at the nearest one, beyond its borders as `wrap` says.
     pub fn wrapped_texture(&mut self, pair: Pair, wrap: u32) -> usize {
         let texture = self.texture(pair, true);
         let sampler = self.push("samplers", json!({ "magFilter": 9728, "wrapS": wrap }));

@@ -31,7 +31,7 @@ fn masks_cut_where_alpha_is_below_the_cutoff() {
         (0.5, 0.25, steps, false, None, [1.0, 2.0]),
         (1.0, 0.25, steps, true, None, [1.0, 2.0]),
         (1.0, 0.75, steps, true, None, [1.0, 2.0]),
-        // The same 8 bits.
+        // Both alphas have the same 8 bits.
         (1.0, 0.5005, Some(alphas(0x8000, 0x8040)), true, None, [1.0, 2.0]),
         (1.0, 0.0, steps, false, fades, [0.0, 2.0]),
         (1.0, 1.0, Some(alphas(254 * 257, WHITE)), true, None, [1.0, 2.0]),
@@ -112,7 +112,7 @@ fn blended_surfaces_fade_by_factor_texture_and_vertices() {
     }
 }
 
-/// Sides: what is seen of an emitter or a sign from its front and from its back, and what of the light arrives on both sides.
+/// Sides: how an emitter or a sign looks from its front and from its back, and how much light arrives on both sides.
 #[test]
 fn emitters_shine_from_the_sides_that_the_material_shows() {
     let lit =

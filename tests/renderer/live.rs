@@ -63,7 +63,7 @@ fn changed_settings_end_as_a_fresh_renderer_bit_for_bit() {
             };
         }),
     ];
-    // One after the other: what an earlier change left must not show either.
+    // One after the other: history of an earlier change must not show either.
     let mut settings = start();
     let mut renderer = gpu.rendered(&scene, &settings, 5);
     // In a quick run more sets, interleaving and everything.
@@ -145,7 +145,7 @@ fn nothing_that_comes_into_view_is_black_whatever_changes() {
         dark += both.filter(|(ours, full)| luminance(ours) < 0.25 * luminance(full)).count();
     }
     assert!(changes >= 45, "{changes} changes");
-    // A single set may be as dark as that by chance; what no set saw would be a tenth of each picture.
+    // A single set may be as dark as that by chance; pixels that no set saw would be a tenth of each picture.
     assert!(1000 * dark < pixels, "{dark} of {pixels} pixels are below a quarter of the reference");
 }
 

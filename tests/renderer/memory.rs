@@ -24,7 +24,7 @@ fn computed(settings: &Settings) -> u64 {
         + sets * (64 * vpls + 64 * 48)
 }
 
-/// What thin surfaces add with so many lights.
+/// Device memory for thin surfaces with so many lights, bytes.
 fn of_thin_surfaces(settings: &Settings, lights: u64) -> u64 {
     let pixels = settings.size.iter().map(|side| u64::from(*side)).product::<u64>();
     pixels * (32 + 4 * lights - 4 * lights.div_ceil(32))

@@ -188,7 +188,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
         }),
         ("denoiser", |settings| settings.effects.denoise = Denoise::NONE),
     ];
-    // One after the other: what an earlier change left must not show either.
+    // One after the other: history of an earlier change must not show either.
     let mut settings = start;
     for (what, change) in changes {
         change(&mut settings);
@@ -206,7 +206,7 @@ fn changes_while_it_runs_end_as_a_fresh_renderer() {
 }
 
 #[test]
-#[ignore = "long; reflections::denoised_stills_are_like_the_truth is quicker"]
+#[ignore = "long; reflections::denoised_stills_are_like_the_reference is quicker"]
 fn above_the_limit_the_lobe_gets_irradiance_and_both_blend() {
     let Some(gpu) = GpuFixture::open() else { return };
     let (direct, antialiasing) = (Direct::Hard, Antialiasing::None);
@@ -253,7 +253,7 @@ rotation = [90, 0, 0]
     );
     let mut scene = (*stage("albedo = [0.8, 0.8, 0.8], roughness = 0, metallic = 1", &more)).clone();
     scene.instances[0].transform.translation.x += 6.3;
-    // What a perfect mirror sends on from a sun without extent, VPLs have and a path tracer cannot find.
+    // VPLs have the light of a sun without extent by way of a perfect mirror; a path tracer cannot find it.
     scene.lights.retain(|light| !matches!(light.kind, LightKind::Directional { .. }));
     Arc::new(scene)
 }

@@ -81,7 +81,7 @@ fn uncovered_brightness(gpu: &GpuFixture, missing_sets: MissingSets) -> (f32, f3
     for step in 1..=STEPS {
         renderer.render(&strafed(&rest, f32::from(step) * STEP)).unwrap();
     }
-    let counts = set_counts(&renderer);
+    let counts = set_counts(gpu, &renderer);
     let new: Vec<usize> = (0..counts.len()).filter(|&pixel| counts[pixel] == 1).collect();
     assert!(new.len() > 40, "only {} pixels are new", new.len());
     let over = |picture: Vec<[f32; 3]>| mean(new.iter().map(|&pixel| luminance(&picture[pixel])));
@@ -119,7 +119,7 @@ fn a_moving_object_keeps_its_history() {
         renderer.render(&pose_at(frame)).unwrap();
     }
     let instances = channel(&renderer.read_picture(true).unwrap(), "instance");
-    let counts = set_counts(&renderer);
+    let counts = set_counts(&gpu, &renderer);
     let on_crate: Vec<u32> =
         instances.iter().zip(&counts).filter(|(id, _)| **id == 2.0).map(|(_, count)| *count).collect();
     assert!(on_crate.len() > 100, "the crate covers {} pixels", on_crate.len());
@@ -147,7 +147,7 @@ fn what_has_moved_is_forgotten() {
     }
     let expected = frozen(&mut gpu.renderer(&scene, &settings, &rest), &rest);
     assert!(frozen(&mut renderer, &rest) == expected);
-    let counts = set_counts(&renderer);
+    let counts = set_counts(&gpu, &renderer);
     let whole = counts.iter().filter(|count| **count == SETS).count();
     assert!(whole as f32 > 0.98 * counts.len() as f32, "{whole} pixels have all sets");
 }
@@ -244,7 +244,7 @@ fn pixels_know_where_their_surface_was() {
         moved[usize::from(instance == 2)] += usize::from(found.length() > 1.0);
     }
     assert!(moved[0] > 5000 && moved[1] > 200, "{moved:?}");
-    // Once all stands still, nothing moves.
+    // In a stationary scene nothing moves.
     renderer.render(&now).unwrap();
     let still = renderer.read_picture(true).unwrap();
     let motion = &still.layers.iter().find(|layer| layer.name == "motion").unwrap().channels;

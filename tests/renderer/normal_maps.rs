@@ -53,7 +53,7 @@ fn obj(folder: &Path, mtl: &str, mirrored: bool) -> Scene {
     load(folder, "q.obj")
 }
 
-/// What of a glTF file varies.
+/// A variation of a glTF file.
 struct Variation {
     /// Its texture, but for the index.
     texture: Value,
@@ -81,7 +81,7 @@ fn gltf(folder: &Path, Variation { mut texture, mut node, tangent }: Variation) 
         "POSITION": add(&all(&|[x, y]| vec![x, y, 0.0]), "VEC3", 3),
         "NORMAL": add(&all(&|_| vec![0.0, 0.0, 1.0]), "VEC3", 3),
         "TEXCOORD_0": add(&all(&|[x, y]| vec![0.5 + 0.5 * x, 0.5 - 0.5 * y]), "VEC2", 2),
-        // The same, mirrored.
+        // The first set, mirrored.
         "TEXCOORD_1": add(&all(&|[x, y]| vec![0.5 - 0.5 * x, 0.5 - 0.5 * y]), "VEC2", 2),
     });
     if let Some(tangent) = tangent {

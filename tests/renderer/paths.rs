@@ -209,7 +209,7 @@ fn switching_takes_a_frame_and_no_memory() {
         gpu.device.restart_memory_peak();
     }
     assert!(peaks[2..].windows(2).all(|pair| pair[0] == pair[1]), "{peaks:?}");
-    // What was seen before is forgotten: the next frame is a fresh renderer's.
+    // The history is forgotten: the next frame is a fresh renderer's.
     let method = METHODS[2];
     renderer.set_settings(&by(method), &pose).unwrap();
     renderer.render(&pose).unwrap();

@@ -72,7 +72,7 @@ fn tonna_casts_a_ray_to_every_vpl_of_a_class() {
                 "still",
             ],
         );
-        // Of those that a pixel faces and that face it; about half of all are.
+        // Rays go to VPLs that a pixel faces and that face it: about half.
         let (all, cast) =
             (512.0 / (temporal_sets * interleave * interleave) as f32, rays(&report, "shadow_rays"));
         assert!(cast > 0.3 * all && cast <= all, "{cast} rays a pixel of {all}");

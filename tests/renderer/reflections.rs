@@ -128,13 +128,13 @@ fn a_mirror_shows_what_is_seen_from_the_mirrored_place() {
     assert!(off as f32 <= 0.01 * mirror.len() as f32, "{off} of {} pixels differ", mirror.len());
 }
 
-/// What a picture shows without the light that comes back from the mirror: direct and reflected.
+/// Direct and reflected radiance, without the light that comes back from the mirror.
 fn seen(picture: &Picture) -> Vec<[f32; 3]> {
     let both = layer(picture, "direct").into_iter().zip(layer(picture, "reflected"));
     both.map(|(direct, reflected)| [0, 1, 2].map(|i| direct[i] + reflected[i])).collect()
 }
 
-/// The same of the path tracer, which counts the light of area lights as irradiance.
+/// [`seen`] of the path tracer, which counts the light of area lights as irradiance.
 fn expected(name: &str, scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
     let path_traced = reference(name, scene, SIZE, 0, spp);
     let (irradiance, albedo) = (layer(&path_traced, "indirect"), layer(&path_traced, "albedo"));
@@ -146,7 +146,7 @@ fn expected(name: &str, scene: &Scene, spp: u64) -> Vec<[f32; 3]> {
 }
 
 #[test]
-#[ignore = "long; denoised_stills_are_like_the_truth is quicker"]
+#[ignore = "long; denoised_stills_are_like_the_reference is quicker"]
 fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
     let Some(gpu) = GpuFixture::open() else { return };
     for (roughness, metallic) in [(0.0, 1), (0.2, 1), (0.6, 1), (0.0, 0), (0.2, 0), (0.6, 0)] {
@@ -160,14 +160,14 @@ fn the_mean_of_the_rays_is_that_of_the_path_tracer() {
 }
 
 #[test]
-#[ignore = "long; denoised_stills_are_like_the_truth is quicker"]
+#[ignore = "long; denoised_stills_are_like_the_reference is quicker"]
 fn lights_that_rays_do_not_meet_are_reflected() {
     let Some(gpu) = GpuFixture::open() else { return };
     let portal = "[[instances]]\nmodel = \"lamp\"\ntranslation = [-0.4, 2.4, 0.6]\nscale = [3, 2, 3]\nvisible = false\n";
     for roughness in [0.5, 0.8] {
         let scene =
             stage(&format!("albedo = [0.9, 0.8, 0.7], roughness = {roughness}, metallic = 1"), portal);
-        // Of so many that one bounce more, which a hit's path has, does not count.
+        // With so many bounces one more, which a hit's path has, does not count.
         let paths = Settings {
             bounces: 8,
             indirect: Indirect::PATHS,
@@ -206,7 +206,7 @@ fn assert_agree(what: &str, ours: &[[f32; 3]], expected: &[[f32; 3]], dimmest: f
 }
 
 #[test]
-fn denoised_stills_are_like_the_truth() {
+fn denoised_stills_are_like_the_reference() {
     let Some(gpu) = GpuFixture::open() else { return };
     let mut least: f64 = 1.0;
     for roughness in [0.0, 0.2, 0.4, 1.0] {
@@ -333,7 +333,7 @@ fn reflections_are_traced_where_something_is_glossy() {
 
 /// A box that crosses before a mirror, and the camera past it.
 #[test]
-fn in_motion_the_picture_is_like_the_truth() {
+fn in_motion_the_picture_is_like_the_reference() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = stage("albedo = [0.9, 0.9, 0.9], roughness = 0, metallic = 1", "");
     type Move = fn(&mut Pose, f32);
@@ -358,8 +358,8 @@ fn in_motion_the_picture_is_like_the_truth() {
         for frame in 0..24 {
             renderer.render(&at(frame)).unwrap();
             if frame % 8 == 7 {
-                let truth = mean_of_still_frames(&gpu, &scene, &settings, &at(frame), 4 * FRAMES);
-                let ssim = ssim(&colour(&renderer), &colour(&truth));
+                let converged = mean_of_still_frames(&gpu, &scene, &settings, &at(frame), 4 * FRAMES);
+                let ssim = ssim(&colour(&renderer), &colour(&converged));
                 eprintln!("{what} moves, frame {frame}: SSIM {ssim}");
                 least = least.min(ssim);
             }
@@ -396,7 +396,7 @@ fn a_mirror_stays_sharp_while_the_camera_turns() {
     assert!((0.62..1.1).contains(&share), "{share}");
 }
 
-/// What comes to rest in a pose.
+/// The mean of still frames in a pose.
 pub(super) fn still(gpu: &GpuFixture, scene: &Arc<Scene>, settings: &Settings, pose: &Pose) -> Renderer {
     mean_of_still_frames(gpu, scene, settings, pose, FRAMES)
 }

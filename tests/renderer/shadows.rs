@@ -42,7 +42,7 @@ fn drawn(gpu: &GpuFixture, scene: &Arc<Scene>, size: [u32; 2]) -> Picture {
     gpu.rendered(scene, &settings, 1).read_picture(true).unwrap()
 }
 
-/// What the sun brings to a point inside of the room, as radiance: all or nothing, by where the ray leaves the room.
+/// Radiance of the sun at a point inside the room: all or nothing, by where the ray leaves the room.
 fn through_the_window(position: Vec3, normal: Vec3) -> f32 {
     let to_sun = -SUN.normalize();
     let cosine = normal.dot(to_sun);

@@ -192,7 +192,7 @@ fn area_lights_count_once_beside_reflections() {
         let [none, one] = [0, 1].map(|bounces| {
             layer(&reference(&format!("yard-{what}"), &scene, SIZE, bounces, 512), "reflected")
         });
-        // Of the balls' roughness, half of the light is mirrored.
+        // At the balls' roughness half of the light is mirrored.
         for (limit, share) in [(1.0, 1.0), (0.3, 0.5)] {
             let expected: Vec<[f32; 3]> = (0..lit.len())
                 .map(|at| [0, 1, 2].map(|i| lit[at][i] + share * (one[at][i] - none[at][i])))
@@ -273,7 +273,7 @@ fn ssim(ours: &[[f32; 3]], expected: &[[f32; 3]]) -> f64 {
 }
 
 #[test]
-fn denoised_stills_are_like_the_truth() {
+fn denoised_stills_are_like_the_reference() {
     let Some(gpu) = GpuFixture::open() else { return };
     for angle in [4, 20] {
         let scene = yard(&sun(angle));

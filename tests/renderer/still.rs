@@ -1,4 +1,4 @@
-//! What stands still becomes the truth, and then costs nothing: the mean of all frames, whatever came before.
+//! A still picture converges to the reference, then freezes: the mean of all frames, whatever came before.
 
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ pub(super) fn check_stillness(scene: &Arc<Scene>, settings: &Settings) {
     check_stillness_from(scene, settings, |rest| moved(rest, 4));
 }
 
-/// The same with a renderer that is made for the pose `first` gives of the rest pose.
+/// [`check_stillness`] with a renderer that is made for the pose `first` gives of the rest pose.
 pub(super) fn check_stillness_from(scene: &Arc<Scene>, settings: &Settings, first: impl Fn(&Pose) -> Pose) {
     let Some(gpu) = GpuFixture::open() else { return };
     let rest = scene.pose(0.0);
@@ -184,14 +184,14 @@ fn check_truth(name: &str, scene: &Arc<Scene>, settings: &Settings) {
 }
 
 #[test]
-#[ignore = "long; few_still_frames_are_nearer_to_the_truth is quicker"]
+#[ignore = "long; few_still_frames_are_nearer_to_the_reference is quicker"]
 fn the_mean_of_sets_is_that_of_the_path_tracer() {
     let settings = Settings { size: [48; 2], ..plain() };
     check_truth("cornell-box", &named_scene("cornell-box", None), &settings);
 }
 
 #[test]
-fn few_still_frames_are_nearer_to_the_truth_than_a_denoised_one() {
+fn few_still_frames_are_nearer_to_the_reference_than_a_denoised_one() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
     let settings = Settings { size: [48; 2], antialiasing: Antialiasing::None, ..Settings::default() };

@@ -1,4 +1,4 @@
-//! Suns of environment maps: their shadows, what mirrors show of them, against the path tracer, which knows the map alone.
+//! Suns of environment maps: their shadows and reflections, against the path tracer, which knows the map alone.
 
 use std::sync::Arc;
 
@@ -62,7 +62,7 @@ fn blocks(pixels: &[[f32; 3]]) -> Vec<f32> {
     sums
 }
 
-/// Compares the mean, and blocks; what is brighter than `most`, as a sun that is seen, is left out.
+/// Compares the mean, and blocks; pixels brighter than `most`, as of a visible sun, are left out.
 fn assert_agree(what: &str, drawn: &[[f32; 3]], expected: &[[f32; 3]], most: f32) {
     let dim = |pixels: &[[f32; 3]]| -> Vec<[f32; 3]> {
         let pairs = pixels.iter().zip(expected);

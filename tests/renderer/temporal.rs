@@ -17,7 +17,7 @@ fn cornell(vpls: u32, temporal_sets: u32, interleave: u32) -> Settings {
 fn sixteen_sets_show_what_one_shows() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
-    // Interleaved, set buffers have half the resolution, and pixels draw other VPLs: each is near what it is with one set, the
+    // Interleaved, set buffers have half the resolution, and pixels sample other VPLs: each is near what it is with one set, the
     // mean the same.
     for (interleave, most_mean, most, of_mean) in [(1, 0.001, 0.01, 0.003), (4, 0.1, f32::INFINITY, 0.01)] {
         let many = indirect(&gpu.rendered(&scene, &cornell(512, 16, interleave), 16));

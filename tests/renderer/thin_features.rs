@@ -8,7 +8,7 @@ use super::support::{GpuFixture, indirect, luminance, plain, scene};
 
 const SIZE: [u32; 2] = [320, 180];
 
-/// The share of pixels that have less than a quarter of their light at the default settings. What their light is, every pixel
+/// The share of pixels that have less than a quarter of their light at the default settings. Their light is what every pixel
 /// gathers from all VPLs of `reference`.
 fn dark_share(reference: Settings) -> Option<f32> {
     let gpu = GpuFixture::open()?;
@@ -40,7 +40,7 @@ fn thin_features_do_not_go_black() {
 
 #[test]
 fn interleaving_leaves_no_pixel_in_the_dark() {
-    // The same VPLs, so that all differences are those of drawing a few.
+    // All pictures have the same VPLs, so that they differ only by sampling a few.
     let vpl = VplSettings { temporal_sets: 1, ..VplSettings::default() };
     let same = Settings { vpl, ..plain() };
     let Some(share) = dark_share(same) else { return };

@@ -1,4 +1,4 @@
-//! Thin surfaces on the device: what they transmit of lights and of what is behind them, and what they reflect.
+//! Thin surfaces on the device: transmission of lights and of the surfaces behind, and reflection.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -118,7 +118,7 @@ fn same(found: &[Vec3], expected: &[Vec3], share: f32) {
     same_but_for(found, expected, share, expected);
 }
 
-/// The same, but for a share of what there would be without panes.
+/// [`same`], with errors as a share of the light without panes, `of`.
 fn same_but_for(found: &[Vec3], expected: &[Vec3], share: f32, of: &[Vec3]) {
     let bright = expected.iter().map(|pixel| pixel.max_element()).fold(0.0, f32::max);
     assert!(bright > 0.0 && found.len() == expected.len());
@@ -143,7 +143,8 @@ fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> 
         let point = SurfacePoint { triangle: hit.triangle, barycentrics: hit.barycentrics };
         let met = scene.surface_at(pose, hit.instance, point, Side::Facing(direction));
         let material = &scene.materials[hit.instance as usize];
-        let coat = material.bsdf_at(scene, met.attributes).seen(met.surface.normal, -direction.normalize());
+        let coat =
+            material.bsdf_at(scene, met.attributes).prepare(met.surface.normal, -direction.normalize());
         let surface = material.thin_surface_at(scene, met.attributes);
         passed *= surface.transmittance(coat.reflected_albedo().max_element());
         ray.t_min = hit.t + 1e-4;
@@ -164,7 +165,7 @@ fn check_lamp(tracer: RayTracer, panes: impl FnOnce(&mut Scene)) -> Option<Vec<V
         pixels(&picture, "position").into_iter().map(|p| passed_on_the_cpu(&scene, &bvh, &pose, p)).collect();
     let expected: Vec<Vec3> = without.iter().zip(&shares).map(|(light, share)| *light * *share).collect();
     assert!(shares.iter().all(|share| share.max_element() < 0.99), "all light goes through the panes");
-    // What passes has 10 bits, and both light buffers round to half floats.
+    // Transmittances have 10 bits, and both light buffers round to half floats.
     same_but_for(&pixels(&picture, "direct"), &expected, 1.0 / 1500.0 + HALF, &without);
     Some(shares)
 }

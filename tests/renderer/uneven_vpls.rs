@@ -1,4 +1,4 @@
-//! Rooms in which a few VPLs are far brighter than all others: what the many dim ones bring must not be lost.
+//! Rooms in which a few VPLs are far brighter than all others: the light of the many dim ones must not be lost.
 
 use std::sync::Arc;
 

@@ -47,7 +47,7 @@ target = [0, -0.3, 0]
 vfov_deg = 70
 "#;
 
-/// The same with blocks that are metallic in part, and glow.
+/// The studio with blocks that are metallic in part, and glow.
 fn glowing() -> String {
     STUDIO.replace("roughness = 0.35", "roughness = 0.35, metallic = 0.5, emission = [0.2, 0.1, 0.05]")
 }
@@ -145,7 +145,7 @@ fn number_colour(number: f32) -> Vec3 {
     Vec3::new(value(0.0), value(1.0), value(2.0))
 }
 
-/// What a view should show, from the layers of its picture; none where these do not tell.
+/// The image that a view should show, from the layers of its picture; none where these do not tell.
 fn expected(view: &str, picture: &Picture) -> Option<Vec<Vec3>> {
     let map = |name: &str, to: &dyn Fn(Vec3) -> Vec3| vectors(picture, name).into_iter().map(to).collect();
     let times = |a: Vec<Vec3>, b: Vec<Vec3>| a.into_iter().zip(b).map(|(a, b)| a * b).collect::<Vec<_>>();
@@ -220,7 +220,7 @@ fn every_view_shows_something_of_its_own() {
             continue;
         }
         let view = of_set(buffer, 1);
-        // Those of effects, which come last, show what is in use.
+        // Views of effects, which come last, show effects in use.
         let is_effect = VIEWS.iter().any(|view| view.name == buffer);
         let settings = if is_effect {
             Settings { direct: Direct::Soft, reflections: Reflections::Rays, ..settings(4, 2) }
@@ -270,7 +270,7 @@ fn rejected_pixels_are_those_that_are_not_counted() {
     for set in 0..SETS {
         let view = of_set("set-reprojected", set);
         let (renderer, picture) = picture(&gpu, &scene, &settings(SETS, 1), &view);
-        by_renderer = set_counts(&renderer);
+        by_renderer = set_counts(&gpu, &renderer);
         for (count, pixel) in counted.iter_mut().zip(&picture.display) {
             *count += u32::from(pixel[..3] != [255, 0, 255]);
         }

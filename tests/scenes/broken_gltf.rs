@@ -1,4 +1,4 @@
-//! Broken glTF files: what is said to be wrong with them.
+//! Broken glTF files and their messages.
 
 use serde_json::{Value, json};
 

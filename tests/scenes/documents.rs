@@ -94,7 +94,7 @@ fn edited_materials_and_environment_are_saved_and_loaded_again() {
     let environment = scene.environment.as_ref().unwrap();
     assert_eq!((environment.radiance, environment.rotation), (Vec3::splat(2.0), 30f32.to_radians()));
     assert!(environment.map.is_some());
-    // What emits now is a light, as in a scene that was made so.
+    // The material that now emits is a light, as in a scene that was made so.
     assert_eq!(scene.lights.len(), file.lights.len() + 1);
     // Taken back, nothing of it is left.
     let mut reset = again;
@@ -264,7 +264,7 @@ fn keyframes_are_edited_line_by_line() {
     let line = "    { time = 2, translation = [1, 0, 0] },  # to the right\n";
     assert_eq!(saved(&|keys| keys.retain(|key| key.time != 2.0)), KEYED.replace(line, ""));
 
-    // Those of an object that had none.
+    // An object without keyframes gets some.
     let mut document = open();
     let keyframes = vec![key(0.0, 0.0), key(1.0, 2.0)];
     let animation = AnimationEntry { keyframes, ..AnimationEntry::default() };

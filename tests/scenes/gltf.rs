@@ -1,4 +1,4 @@
-//! glTF files, made by code: what they place.
+//! glTF files, made by code, and the scenes that they become.
 
 use glam::{Quat, Vec2, Vec4};
 use glowworm::scene::{Alpha, Minified, MipLevels, SpotFalloff, SurfacePoint, Wrap};

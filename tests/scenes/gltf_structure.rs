@@ -1,4 +1,4 @@
-//! What nodes of glTF files place: incomplete files, poses at rest, instances, animation.
+//! Nodes of glTF files: incomplete files, poses at rest, instances, animation.
 
 use glam::{Affine3A, Mat4, Quat};
 use glowworm::formats::{LoadOptions, load_scene_with};
@@ -54,7 +54,7 @@ fn textured(document: &mut Value, texture: Value) {
     document["meshes"][0]["primitives"][0]["material"] = json!(0);
 }
 
-/// What is incomplete, and the warning about it.
+/// Incomplete documents, and the warning about each.
 const INCOMPLETE: &[(&str, Change, &str)] = &[
     ("no node", |d, b| (with_keys(d, b), d["animations"] = channel(json!({ "path": "scale" }))).1, "no node"),
     (
@@ -232,7 +232,7 @@ fn add_target(d: &mut Value, b: &mut Vec<u8>, deltas: [f32; 9]) {
 
 const LIFT: [f32; 9] = [0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 4.0];
 
-/// What a file poses, and the corners of its triangles.
+/// A change to a file, and the corners of its triangles as posed.
 type Posed<'a> = (&'a str, Change, Vec<Vec3>);
 
 fn check_posed(table: &[Posed]) {

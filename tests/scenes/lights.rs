@@ -52,7 +52,7 @@ fn lights_have_an_extent_which_they_keep_in_motion() {
     let moved = scene.pose(0.4);
     assert_ne!(moved.lights[0].position, scene.lights[0].position);
     assert_eq!(extents(&moved.lights), expected());
-    // The same light is sent, from a larger place.
+    // The lights have the same flux, from a larger place.
     let bounds = scene.bounding_sphere(&moved);
     let without = load_toml(&LIGHTS.replace("radius = 0.3", "").replace("angle_deg = 0.27", ""));
     for (with, without) in scene.lights.iter().zip(&without.lights) {

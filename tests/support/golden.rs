@@ -23,7 +23,7 @@ const FEW_PATHS: u64 = 300_000;
 /// The layers that are kept.
 const KEPT: [&str; 4] = ["direct", "indirect", "reflected", "albedo"];
 
-/// What the path tracer makes of a scene at time 0 with at least `spp` samples a pixel; of many samples only the layers
+/// Path tracer's picture of a scene at time 0 with at least `spp` samples a pixel; of many samples only the layers
 /// [`KEPT`]. Tests that give the same `name`, size and bounces share a file.
 ///
 /// # Panics

@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 
+use exr::prelude::f16;
+use glowworm::estimators::Estimator as _;
 use glowworm::estimators::vpls::{VplContribution, VplManager, Vpls};
 use glowworm::formats::load_scene;
 use glowworm::gpu_scene::tracer::RayTracer;
@@ -20,7 +22,7 @@ use glowworm::scene::{Pose, Scene, WorldSurface};
 use glowworm::settings::{Antialiasing, Direct, Reflections, Settings, VplSettings};
 use glowworm::vulkan::{Device, Instance, InstanceOptions, VulkanError};
 
-/// The device of all tests of a program: what one test has compiled, others use.
+/// The device of all tests of a program, so that each shader is compiled once.
 static DEVICE: LazyLock<Result<Arc<Device>, VulkanError>> = LazyLock::new(open_device);
 /// How many validation messages of [`DEVICE`] have failed a test.
 static REPORTED: AtomicUsize = AtomicUsize::new(0);
@@ -55,7 +57,7 @@ impl GpuFixture {
         Some(Self { device: open_device().unwrap() })
     }
 
-    /// The same for a device that supports `tracer`.
+    /// A device that supports `tracer`.
     pub fn open_with_tracer(tracer: RayTracer) -> Option<Self> {
         let gpu = Self::open()?;
         if RayTracer::offered(&gpu.device).contains(&tracer) {
@@ -147,8 +149,8 @@ pub fn scene(text: &str) -> Arc<Scene> {
     named_scene(file.to_str().unwrap(), None)
 }
 
-/// The defaults without what other tests look at: hard shadows, one sample in the middle of each pixel, nothing is mirrored, and what
-/// stands still is shown as what moves.
+/// The defaults without what other tests look at: hard shadows, one sample in the middle of each pixel, nothing is mirrored, and
+/// still frames are not averaged.
 pub fn plain() -> Settings {
     Settings {
         direct: Direct::Hard,
@@ -199,8 +201,10 @@ pub fn inspect(renderer: &Renderer, pose: &Pose, at: &WorldSurface) -> Vec<VplCo
 }
 
 /// How many temporal sets have seen the surface of each pixel of the last frame.
-pub fn set_counts(renderer: &Renderer) -> Vec<u32> {
-    renderer.read_irradiance_alpha().unwrap().into_iter().map(|count| count.round() as u32).collect()
+pub fn set_counts(gpu: &GpuFixture, renderer: &Renderer) -> Vec<u32> {
+    let image = renderer.estimator::<Vpls>().unwrap().resolved().unwrap();
+    let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&image.read_layer(&gpu.device, 0, 8).unwrap());
+    halves.chunks_exact(4).map(|texel| f16::from_bits(texel[3]).to_f32().round() as u32).collect()
 }
 
 /// Indirect irradiance of the last frame.

@@ -27,7 +27,7 @@ impl Stage {
         World { scene: &self.scene, pose: &self.pose, bvh: &self.bvh }
     }
 
-    /// The same scene and pose, without history.
+    /// This scene and pose, without history.
     pub fn fresh(&self) -> Self {
         Self {
             scene: self.scene.clone(),
@@ -71,7 +71,7 @@ pub fn settings(vpls: u32, bounces: u32) -> Settings {
     }
 }
 
-/// The same settings with one candidate a slot, so that VPLs lie where the lights shoot them.
+/// The settings with one candidate a slot, so that VPLs lie where the lights shoot them.
 pub fn without_choice(settings: Settings) -> Settings {
     Settings { vpl: VplSettings { candidates: 1, ..settings.vpl }, ..settings }
 }

@@ -1,6 +1,6 @@
-// For path.glsl: nothing is left of the vertices of a path.
+// For path.glsl: stores no vertices.
 #include "path_vertex.glsl"
-const bool LEAVES_VERTICES = false;
+const bool STORES_VERTICES = false;
 
-void leave_vertex(uint bounce, PathVertex vertex) {}
-void leave_end(bool goes_on, Surface surface) {}
+void store_vertex(uint bounce, PathVertex vertex) {}
+void store_last_vertex(bool goes_on, Surface surface) {}

@@ -1,37 +1,37 @@
 // Irradiance by one path: at each vertex one light and one scattered ray estimate the light that arrives, weighted by the power heuristic
 // (Kajiya 1986; Veach 1997, section 9.2). Twin, with the equations: src/reference/path.rs. Needs light_sampling.glsl,
-// environment_sampling.glsl, hit.glsl, noise.glsl, path_vertices.glsl, `PathPush push`, `LEAVES_VERTICES`, `leave_vertex` and `leave_end`.
+// environment_sampling.glsl, hit.glsl, noise.glsl, path_vertices.glsl, `PathPush push`, `STORES_VERTICES`, `store_vertex` and `store_last_vertex`.
 
 // Surfaces that scatter light before it arrives, at most.
 layout(constant_id = 2) const uint BOUNCES = 2u;
 
-// Of the random numbers of a path: direction; light and lobe; point of the light.
+// Dimensions of the random numbers at a vertex: direction; light and lobe; point of the light.
 const uint DIMENSIONS = 3u;
-// Blue noise for the first surface alone: further bounces scramble what it would bring.
+// Blue noise for the first surface alone: further bounces would scramble it.
 vec2 path_noise(ivec2 pixel, uint frame_index, uint dimension, uint bounce) {
     return bounce == 0u ? noise_of(pixel, frame_index, dimension) : white_noise_of(pixel, frame_index, dimension + bounce * DIMENSIONS);
 }
 
-// What a diffuse bounce widens a ray cone by, radians: little, so that textures keep their detail where surfaces are near.
+// Angle by which a diffuse bounce widens a ray cone, radians: small, so that textures keep their detail where surfaces are near.
 const float DIFFUSE_SPREAD = 0.1;
 
 uint environment_light() { return frame.light_count + frame.area_light_count; }
 
-// Luminance of about what a light sends to where a path came from, unoccluded.
+// Estimates the unoccluded luminance that a light sends to where a path came from.
 float light_weight(uint index, ShadingPoint at) {
     if (index != environment_light()) return luminance(unshadowed_radiance(index, at));
     return push.environment * luminance(at.diffuse + (at.is_glossy ? at.reflection.reflected : vec3(0.0)));
 }
 
 // One of the lights from `first` on; the environment comes last.
-Choice choose_path_light(ShadingPoint at, uint first, float pick) {
-    Choice chosen = new_choice(pick);
+Reservoir choose_path_light(ShadingPoint at, uint first, float pick) {
+    Reservoir reservoir = new_reservoir(pick);
     uint end = environment_light() + (push.environment > 0.0 ? 1u : 0u);
-    for (uint i = first; i < end; i++) offer(chosen, i, light_weight(i, at));
-    return chosen;
+    for (uint i = first; i < end; i++) update(reservoir, i, light_weight(i, at));
+    return reservoir;
 }
 
-// Weight of a sample drawn with density `own` where the other technique has density `other`.
+// MIS weight of a sample with density `own` where the other technique has density `other` (Veach 1997, section 9.2).
 float power_heuristic(float own, float other) { return 1.0 / (1.0 + (other / own) * (other / own)); }
 
 // The probability of the GGX lobe in `sample_bsdf`.
@@ -83,18 +83,18 @@ Scattered sample_bsdf(ShadingPoint at, float pick, vec2 u) {
     return result;
 }
 
-// What one light sends to where the path came from.
-vec3 light_of_sample(ShadingPoint at, Choice chosen, vec2 u, inout uint rays) {
-    if (!(chosen.weight > 0.0)) return vec3(0.0);
-    float probability = chosen.weight / chosen.sum;
+// Radiance that the surface reflects to where the path came from of one light, by a shadow ray; weighted by MIS.
+vec3 next_event_estimation(ShadingPoint at, Reservoir reservoir, vec2 u, inout uint rays) {
+    if (!(reservoir.weight > 0.0)) return vec3(0.0);
+    float probability = reservoir.weight / reservoir.sum;
     vec3 origin = ray_origin(at.surface);
     LightSample light;
-    if (chosen.kept == environment_light()) {
+    if (reservoir.selected == environment_light()) {
         light.to_light = sample_environment(u, light.density);
         light.irradiance = light.density > 0.0 ? environment_radiance(light.to_light, false) / light.density : vec3(0.0);
         light.reach = FAR;
     } else {
-        light = sample_light(chosen.kept, at, origin, u);
+        light = sample_light(reservoir.selected, at, origin, u);
     }
     float cosine = dot(at.surface.shading, light.to_light);
     if (cosine <= 0.0 || dot(at.surface.geometric, light.to_light) <= 0.0 || light.irradiance == vec3(0.0)) return vec3(0.0);
@@ -108,15 +108,15 @@ vec3 light_of_sample(ShadingPoint at, Choice chosen, vec2 u, inout uint rays) {
     return radiance * trace_transmittance(origin, light.to_light, 0.0, light.reach);
 }
 
-// Weight of the light along a scattered ray from `at`, which met light `index` with this density of its own, 1/sr.
-float share_of_scattered(ShadingPoint at, Choice chosen, uint index, float density, Scattered scattered) {
+// MIS weight of light found by a scattered ray from `at`; light sampling finds its direction on light `index` with `density`, 1/sr.
+float mis_weight_bsdf(ShadingPoint at, Reservoir reservoir, uint index, float density, Scattered scattered) {
     if (scattered.density == 0.0) return 1.0;
-    float probability = chosen.sum > 0.0 ? light_weight(index, at) / chosen.sum : 0.0;
+    float probability = reservoir.sum > 0.0 ? light_weight(index, at) / reservoir.sum : 0.0;
     return power_heuristic(scattered.density, probability * density);
 }
 
-// Weight of emission that a scattered ray has met; 0 where it is direct light, which other passes know.
-float share_of_emission(ShadingPoint at, Choice chosen, uint first, TracerHit hit, HitSurface surface, Scattered scattered) {
+// MIS weight of emission that a scattered ray has hit; 0 for direct light, which other passes add.
+float mis_weight_emission(ShadingPoint at, Reservoir reservoir, uint first, TracerHit hit, HitSurface surface, Scattered scattered) {
     uint light = instances.data[hit.instance].area_light;
     if (light == 0u) return 1.0;
     light += frame.light_count - 1u;
@@ -124,13 +124,13 @@ float share_of_emission(ShadingPoint at, Choice chosen, uint first, TracerHit hi
     AreaLightData data = area_lights.data[light - frame.light_count];
     float cosine = abs(dot(surface.geometric, scattered.direction));
     float density = hit.t * hit.t / (max(cosine, 1e-6) * data.area);
-    return share_of_scattered(at, chosen, light, density, scattered);
+    return mis_weight_bsdf(at, reservoir, light, density, scattered);
 }
 
 // Follows a scattered ray from `at`: adds what it meets to the light that `at` sends back, and goes on to the surface that it meets, if
 // there is one.
-bool scatter(inout ShadingPoint at, Choice chosen, uint first, inout Scattered scattered, inout RayCone cone, inout vec3 light, inout uint rays) {
-    // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling knows none.
+bool scatter(inout ShadingPoint at, Reservoir reservoir, uint first, inout Scattered scattered, inout RayCone cone, inout vec3 light, inout uint rays) {
+    // A ray that the shading normal sends below the triangle is mirrored by it: no energy is lost. Light sampling cannot find it.
     float below = dot(at.surface.geometric, scattered.direction);
     if (below <= 0.0) {
         scattered.direction -= 2.0 * below * at.surface.geometric;
@@ -147,14 +147,14 @@ bool scatter(inout ShadingPoint at, Choice chosen, uint first, inout Scattered s
         float share = 1.0;
         if (push.environment > 0.0) {
             float density = environment_density(scattered.direction);
-            share = share_of_scattered(at, chosen, environment_light(), density, scattered);
+            share = mis_weight_bsdf(at, reservoir, environment_light(), density, scattered);
         }
         light += scattered.weight * share * environment_radiance(scattered.direction, scattered.mirrors);
         return false;
     }
     HitSurface found = surface_of(hit, scattered.direction, cone);
     if (found.emission != vec3(0.0)) {
-        light += scattered.weight * found.emission * share_of_emission(at, chosen, first, hit, found, scattered);
+        light += scattered.weight * found.emission * mis_weight_emission(at, reservoir, first, hit, found, scattered);
     }
     cone.width += cone.spread * hit.t;
     at.surface = Surface(found.position, found.shading, found.geometric, hit.t);
@@ -164,12 +164,12 @@ bool scatter(inout ShadingPoint at, Choice chosen, uint first, inout Scattered s
     return true;
 }
 
-// Over an albedo, 0 where that is 0: nothing is reflected there.
-vec3 over(vec3 light, vec3 albedo) { return mix(light / max(albedo, vec3(1e-6)), vec3(0.0), lessThan(albedo, vec3(1e-6))); }
+// Light over the albedo that reflected it; 0 where that is 0.
+vec3 demodulate(vec3 light, vec3 albedo) { return mix(light / max(albedo, vec3(1e-6)), vec3(0.0), lessThan(albedo, vec3(1e-6))); }
 
 // Irradiance of a surface, W/m^2, by the lights from `first` on (those before are lit by other passes), and by all that other surfaces
 // scatter. `place`: of the path's random numbers, those of `pixel` in the frame `frame_index`, from the dimension `dimension` on.
-// `leave_vertex` is told of each vertex: irradiance is what would, on a white surface of its albedo, be the light that it sends back.
+// `store_vertex` is told of each vertex: irradiance is what would, on a white surface of its albedo, be the light that it sends back.
 vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uint frame_index, uint dimension, inout uint rays) {
     vec3 radiance = vec3(0.0);
     vec3 throughput = vec3(PI);
@@ -183,27 +183,27 @@ vec3 path_irradiance(Surface surface, RayCone cone, uint first, ivec2 pixel, uin
     bool goes_on = true;
     for (uint bounce = 0u; bounce <= BOUNCES && goes_on; bounce++) {
         vec2 picks = path_noise(pixel, frame_index, dimension + 1u, bounce);
-        Choice chosen = choose_path_light(at, first, picks.x);
-        vec3 light = light_of_sample(at, chosen, path_noise(pixel, frame_index, dimension + 2u, bounce), rays);
+        Reservoir reservoir = choose_path_light(at, first, picks.x);
+        vec3 light = next_event_estimation(at, reservoir, path_noise(pixel, frame_index, dimension + 2u, bounce), rays);
         vec3 next = vec3(0.0), last_albedo = albedo, weight = vec3(0.0);
         Surface lit = at.surface;
 
         // The last ray finds emission alone, and the place whose light filters may know.
-        goes_on = bounce < BOUNCES || frame.area_light_count > 0u || push.has_environment == 1u || LEAVES_VERTICES;
+        goes_on = bounce < BOUNCES || frame.area_light_count > 0u || push.has_environment == 1u || STORES_VERTICES;
         if (goes_on) {
             Scattered scattered = sample_bsdf(at, picks.y, path_noise(pixel, frame_index, dimension, bounce));
-            goes_on = scattered.weight != vec3(0.0) && scatter(at, chosen, first, scattered, cone, light, rays);
+            goes_on = scattered.weight != vec3(0.0) && scatter(at, reservoir, first, scattered, cone, light, rays);
             if (goes_on) {
                 weight = scattered.weight;
                 albedo = at.diffuse + (at.is_glossy ? at.reflection.reflected : vec3(0.0));
-                next = over(weight * albedo, last_albedo);
+                next = demodulate(weight * albedo, last_albedo);
             }
         }
         radiance += throughput * light;
         throughput *= weight;
-        leave_vertex(bounce, PathVertex(lit.position, lit.geometric, over(PI * light, last_albedo), next, VERTEX_LIT));
+        store_vertex(bounce, PathVertex(lit.position, lit.geometric, demodulate(PI * light, last_albedo), next, VERTEX_LIT));
         first = 0u;
     }
-    leave_end(goes_on, at.surface);
+    store_last_vertex(goes_on, at.surface);
     return radiance;
 }

@@ -36,8 +36,8 @@ layout(constant_id = 4) const uint VERTICES = 1u;
 layout(constant_id = 5) const uint DEPTH = 4u;
 
 // The vertex that is lit, and what it meets.
-const uint LEFT_VERTICES = 2u;
-#include "leave_vertices.glsl"
+const uint STORED_VERTICES = 2u;
+#include "store_vertices.glsl"
 #include "path.glsl"
 
 // The first ones are those of other rays.
@@ -48,7 +48,7 @@ PathVertex vertex_at(ivec2 pixel, uint layer) {
     return unpack_vertex(imageLoad(path_places, place), imageLoad(path_lights, place).xy);
 }
 
-// Of this frame's path; `depth`: its number, from 1.
+// The deepest vertex of this frame's path; `depth`: its number, from 1.
 PathVertex deepest_vertex(ivec2 pixel, out uint depth) {
     PathVertex deepest = vertex_at(pixel, 0u);
     depth = 1u;
@@ -67,7 +67,7 @@ void main() {
     uint rays = 0u;
     if (in_picture) {
         first_layer = SAMPLES * VERTICES;
-        left = 0u;
+        stored = 0u;
         uint depth = push.keeps == 1u ? imageLoad(path_depths, pixel).x : 0u;
         bool is_kept = depth > 0u;
         if (surface_at(pixel).depth > 0.0) {

@@ -32,10 +32,10 @@ layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D irradiance;
 
 // Paths a pixel.
 layout(constant_id = 3) const uint SAMPLES = 1u;
-// Vertices of a path that are left to filters.
+// Vertices of a path that are stored for filters.
 layout(constant_id = 4) const uint VERTICES = 0u;
-const uint LEFT_VERTICES = VERTICES;
-#include "leave_vertices.glsl"
+const uint STORED_VERTICES = VERTICES;
+#include "store_vertices.glsl"
 #include "path.glsl"
 
 // The first ones are those of soft shadows and reflections.
@@ -51,7 +51,7 @@ void main() {
         RayCone cone = RayCone(push.spread * surface.depth, push.spread);
         for (uint i = 0u; i < (surface.depth > 0.0 ? SAMPLES : 0u); i++) {
             first_layer = i * VERTICES;
-            left = 0u;
+            stored = 0u;
             sum += path_irradiance(surface, cone, frame.direct_lights, pixel, frame.noise_frame * SAMPLES + i, FIRST_DIMENSION, rays);
         }
         imageStore(irradiance, pixel, storable(vec4(sum / float(SAMPLES), 1.0)));

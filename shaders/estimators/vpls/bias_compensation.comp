@@ -42,14 +42,14 @@ vec3 cosine_hemisphere(vec3 n, vec2 u) {
 
 // Irradiance from one light, sampled by the irradiance of each, unoccluded.
 vec3 direct_light(Surface at, float random, inout uint rays) {
-    Choice choice = Choice(0u, 0.0, 0.0, random);
+    Reservoir reservoir = new_reservoir(random);
     vec3 to_light;
     for (uint i = 0u; i < frame.light_count; i++) {
-        offer(choice, i, luminance(unshadowed_irradiance(lights.data[i], at, to_light)));
+        update(reservoir, i, luminance(unshadowed_irradiance(lights.data[i], at, to_light)));
     }
-    if (choice.weight <= 0.0) return vec3(0.0);
-    LightData light = lights.data[choice.kept];
-    vec3 brought = unshadowed_irradiance(light, at, to_light) * (choice.sum / choice.weight);
+    if (reservoir.weight <= 0.0) return vec3(0.0);
+    LightData light = lights.data[reservoir.selected];
+    vec3 brought = unshadowed_irradiance(light, at, to_light) * (reservoir.sum / reservoir.weight);
     rays++;
     return brought * light_transmittance(light, at, to_light);
 }
@@ -84,7 +84,7 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
 }
 
 void main() {
-    // Of each block of spread x spread texels one casts rays, another in every set, for all of them.
+    // One texel of each block of spread x spread casts rays for all of them, another in every set.
     uint block = push.spread;
     uvec2 turn = uvec2(vpl.layer, vpl.layer / block) % block;
     ivec2 texel = ivec2(gl_GlobalInvocationID.xy * block + turn);

@@ -21,7 +21,7 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 7, rgba16f) uniform writeonly image2D irradiance;
 #include "surface.glsl"
 
-// What a set has of the point; false where that lies beyond the cut-off.
+// Irradiance of a set at the point, W/m^2; false where the set's surface lies beyond the cut-off.
 bool found_in(uint set, vec3 position, vec3 normal, out vec3 found) {
     found = vec3(0.0);
     SetParameters parameters = set_at(set);

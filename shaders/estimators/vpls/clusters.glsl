@@ -1,7 +1,7 @@
 // The VPLs of the set in clusters of neighbours, and choosing within one. Needs vpls.glsl, surface.glsl and representative.glsl.
 // Define CLUSTERS_BINDING before including. Twins: VplCluster in src/estimators/vpls/clusters.rs,
 // SamplingPush, TILE in src/estimators/vpls/indirect_shadows.rs.
-#include "choice.glsl"
+#include "reservoir.glsl"
 
 struct VplCluster {
     vec3 position;    // mean by flux; at infinity that of the directions
@@ -19,7 +19,7 @@ const uint TILE = 16u; // texels in each direction that share what they see
 const uint BLOCK = 8u; // and that share the weights of the clusters
 
 layout(set = 0, binding = CLUSTERS_BINDING, std430) readonly buffer ClusterBlock { VplCluster data[]; } vpl_clusters;
-// What a dispatch samples.
+// The samples that a dispatch takes.
 struct SamplingPush {
     uvec2 tiles;
     uint set_step;   // pixels from one texel of the set buffers to the next
@@ -54,7 +54,7 @@ ivec2 block_offset() { return ivec2(uvec2(3u, 5u) * vpl.layer + uvec2(5u, 2u) * 
 
 uvec2 block_of(uvec2 texel) { return (texel + uvec2(block_offset())) / BLOCK; }
 
-// Approximates the unoccluded irradiance of a surface by a cluster. Never zero, as one of its VPLs may bring something.
+// Approximates the unoccluded irradiance of a surface by a cluster. Never zero, as one of its VPLs may light the surface.
 float importance(VplCluster cluster, Surface surface) {
     if (cluster.at_infinity != 0u) {
         return cluster.flux * clamp(dot(surface.shading, cluster.position) + cluster.radius, 0.05, 1.0);
@@ -71,7 +71,7 @@ float importance(VplCluster cluster, Surface surface) {
 // VPLs of a cluster among which one is chosen; of larger clusters every so many.
 const uint MOST_CHOICES = 8u;
 
-// A VPL, counted from the set's first, and one over its probability; 0: it brings nothing.
+// A VPL, counted from the set's first, and one over its probability; 0: it sends no light.
 struct SampledVpl {
     uint index;
     float inverse_probability;
@@ -81,10 +81,10 @@ struct SampledVpl {
 SampledVpl choose_vpl(VplCluster cluster, Surface surface, float random) {
     uint stride = (cluster.count + MOST_CHOICES - 1u) / MOST_CHOICES;
     float at = random * float(stride);
-    Choice choice = new_choice(fract(at));
+    Reservoir reservoir = new_reservoir(fract(at));
     for (uint i = min(uint(at), stride - 1u); i < cluster.count; i += stride) {
         GpuVpl light = vpls.data[vpl.first_vpl + cluster.first + i];
-        offer(choice, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
+        update(reservoir, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
     }
-    return SampledVpl(choice.kept, choice.weight > 0.0 ? float(stride) * choice.sum / choice.weight : 0.0);
+    return SampledVpl(reservoir.selected, reservoir.weight > 0.0 ? float(stride) * reservoir.sum / reservoir.weight : 0.0);
 }

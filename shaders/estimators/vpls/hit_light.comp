@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Lights what reflection rays have hit: each hit samples one VPL of the frame's set, first a cluster, then a VPL of it, by about what it
-// brings, and casts a ray to it. In: the hits. Out: their light is added to the reflection. The set stands for all of them.
+// Lights the hits of reflection rays: each samples one VPL of the frame's set by its unoccluded light, first a cluster, then a VPL of it, and
+// casts a ray to it. In: the hits. Out: their light is added to the reflection. The set stands for all of them.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "rounded.glsl"
@@ -34,16 +34,16 @@ void main() {
     if (weight.rgb != vec3(0.0)) {
         HitRecord hit = unpack_hit(imageLoad(hit_place, pixel), weight);
         Surface surface = Surface(hit.position, hit.shading, hit.geometric, 1.0);
-        Choice choice = new_choice(hit.random);
+        Reservoir reservoir = new_reservoir(hit.random);
         for (uint i = 0u; i < CLUSTERS; i++) {
             VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + i];
-            offer(choice, i, cluster.count > 0u ? importance(cluster, surface) : 0.0);
+            update(reservoir, i, cluster.count > 0u ? importance(cluster, surface) : 0.0);
         }
-        if (choice.weight > 0.0) {
-            SampledVpl sampled = choose_vpl(vpl_clusters.data[vpl.layer * CLUSTERS + choice.kept], surface, choice.random);
+        if (reservoir.weight > 0.0) {
+            SampledVpl sampled = choose_vpl(vpl_clusters.data[vpl.layer * CLUSTERS + reservoir.selected], surface, reservoir.random);
             if (sampled.inverse_probability > 0.0) {
                 vec3 brought = gather(surface, vpls.data[vpl.first_vpl + sampled.index], rays) * sampled.inverse_probability;
-                brought *= choice.sum / (choice.weight * push.set_share);
+                brought *= reservoir.sum / (reservoir.weight * push.set_share);
                 vec4 before = imageLoad(reflection, pixel);
                 imageStore(reflection, pixel, rounded(vec4(min(before.rgb + hit.weight * brought, 65504.0), before.a)));
             }

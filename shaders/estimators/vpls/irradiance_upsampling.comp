@@ -28,7 +28,7 @@ layout(set = 0, binding = 10, rgba16f) uniform image2D irradiance;
 #include "surface.glsl"
 #include "slope.glsl"
 
-// Adds what the coarse texel knows of the pixel's surface, if it lies there too.
+// Adds the irradiance of a coarse texel, if it lies on the pixel's surface.
 void add_coarse(inout vec4 sum, inout float weights, ivec2 texel, float weight, Surface surface) {
     ivec2 last = ivec2(set_extent(frame.size, 2u)) - 1;
     texel = clamp(texel, ivec2(0), last);
@@ -38,7 +38,7 @@ void add_coarse(inout vec4 sum, inout float weights, ivec2 texel, float weight, 
     vec3 d = position_at(2 * texel, depth) - surface.position;
     bool same = depth > 0.0 && dot(octahedral_decode(normals.xy), surface.shading) >= MIN_NORMAL_COSINE
         && same_surface(d, surface.geometric, octahedral_decode(normals.zw), surface.depth);
-    // What no set has seen has no irradiance yet.
+    // A texel that no set has seen has no irradiance yet.
     weight = same && coarse.a > 0.0 ? weight : 0.0;
     sum += weight * coarse;
     weights += weight;
@@ -82,7 +82,7 @@ vec4 around(ivec2 pixel, Surface surface) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(gl_GlobalInvocationID.xy, frame.size))) return;
-    bool fills = sets.holes == 2u;
+    bool fills = sets.fill_mode == 2u;
     if (fills && imageLoad(irradiance, pixel).a > 0.0) return;
     Surface surface = surface_at(pixel);
     vec4 sum = vec4(0.0);
@@ -93,7 +93,7 @@ void main() {
         sum = sum_of_sets(instance, surface.position, surface.geometric, slope_at(pixel, surface), variance);
     }
     bool is_uncertain = surface.depth > 0.0 && (may_be_black_by_chance(sum) || !(is_upsampled || fills));
-    if (is_uncertain && sets.set_step == 2u && sets.holes != 1u) {
+    if (is_uncertain && sets.set_step == 2u && sets.fill_mode != 1u) {
         vec4 neighbours = around(pixel, surface);
         float few = FEW_SETS / max(sum.a, 1.0);
         float by_chance = few * few * luminance(neighbours.rgb) / max(neighbours.a, 1e-6);

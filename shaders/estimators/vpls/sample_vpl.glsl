@@ -49,7 +49,7 @@ SampledVpl sample_vpl(BlockWeights weights, Surface surface, float random) {
     return sampled;
 }
 
-// One sample brings at most this many times the expected unoccluded irradiance.
+// One sample counts for at most this many times the expected unoccluded irradiance.
 const float MOST_BROUGHT = 256.0;
 
 // No more than that, where there is a bound at all: an outlier would stay in a history.

@@ -23,7 +23,7 @@ struct SetPush {
     uint view;          // of vpl_view.comp
     uint frame;         // of vpl_view.comp: number of this frame
     uint rendered_step; // of vpl_view.comp: pixels from one texel of the set that this frame renders to the next
-    uint holes;         // of irradiance_upsampling.comp: 0: none of the pixels are; 1: leaves those that no set saw; 2: fills these alone
+    uint fill_mode;     // of irradiance_upsampling.comp: 0: fills all pixels; 1: leaves those that no set saw; 2: fills those alone
 };
 layout(push_constant) uniform Push { SetPush data; } push;
 SetPush sets = push.data;
@@ -87,7 +87,7 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
     vec2 tangents = parameters.tan_y * vec2(size.x / size.y, 1.0);
     vec2 pixel = (p.xy / (p.z * tangents) * 0.5 + 0.5) * size - 0.5;
     vec2 at = (pixel - vec2(parameters.offset)) / float(sets.set_step);
-    // Rounding must not ask a second texel in a view that stands still.
+    // Rounding must not ask a second texel in a stationary view.
     at = mix(at, round(at), lessThan(abs(at - round(at)), vec2(0.005)));
     vec2 base = floor(at);
     vec2 part = at - base;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// What one VPL alone sends to every pixel. Out: rgb: irradiance, weighted; a: 1 where the VPL sees the pixel.
+// Irradiance of every pixel by one VPL alone. Out: rgb: irradiance, weighted, W/m^2; a: 1 where the VPL sees the pixel.
 #include "frame.glsl"
 #include "gbuffer.glsl"
 #include "rounded.glsl"
@@ -16,7 +16,7 @@ layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D vpl_light;
 #include "surface.glsl"
 
-// weight: what the irradiance is multiplied by; 0: there is no such VPL.
+// weight: factor on the irradiance; 0: there is no such VPL.
 layout(push_constant) uniform Push { float weight; } push;
 
 void main() {

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 // Irradiance of each texel of the set buffers from the VPLs of the set, of which it samples a few, with one occlusion ray each:
-// first a cluster, by about what it brings and how likely it is seen, then a VPL of the cluster, by what it brings to the very
-// surface, unoccluded (Estevez and Kulla 2018, with a tree of two levels). Out: rgb: scaled irradiance, an unbiased
+// first a cluster, by its unoccluded light and visibility from the texel's block, then a VPL of the cluster, by its unoccluded
+// irradiance of the texel's own surface (Estevez and Kulla 2018, with a tree of two levels). Out: rgb: scaled irradiance, an unbiased
 // estimate of that of the set; a: view depth, and the share of the light whose occlusion may have changed since the set's last turn.
 #include "frame.glsl"
 #include "gbuffer.glsl"
@@ -50,7 +50,7 @@ float visibility_of(ivec2 first, uint index) {
 // Surfaces of a block that its weights are taken from.
 const uint SURFACES = 3u;
 
-// How much the texels of a block sample a cluster: by about what it brings to a few of their surfaces, and how likely they see it.
+// Weight with which the texels of a block sample a cluster: its unoccluded irradiance at a few of their surfaces, times its visibility.
 float weight_of(ivec2 first, uint index) {
     VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + index];
     ivec2 last = ivec2(set_extent(frame.size, push.set_step)) - 1;

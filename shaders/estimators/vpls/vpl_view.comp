@@ -56,7 +56,7 @@ vec3 unfiltered(ivec2 pixel) {
     return lit(sampled / vpl.irradiance_scale * float(sets.set_count));
 }
 
-// What the set knows of the surface of this pixel; what it does not know is marked.
+// Irradiance of the set at this pixel's surface, tone-mapped; marked where the set has none.
 vec3 set_reprojected(ivec2 pixel, uint instance) {
     Surface surface = surface_at(pixel);
     ObjectPoint point = to_object(instance, surface.position, surface.geometric);

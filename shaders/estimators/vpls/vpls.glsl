@@ -92,7 +92,7 @@ bool crosses_swept_box(vec3 origin, vec4 ray) {
     return false;
 }
 
-// Of the occlusion ray from a surface to the VPL the direction and, in w, the t at which it ends.
+// The occlusion ray from a surface to the VPL: its direction and, in w, the t at which it ends.
 vec4 ray_to(GpuVpl light, vec3 origin) {
     vec3 end = light.position + light.normal * ray_offset(light.position);
     return light.at_infinity != 0u ? vec4(light.position, 1e30) : vec4(end - origin, 1.0);

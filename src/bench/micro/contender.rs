@@ -19,7 +19,7 @@ impl Query {
     /// Both queries.
     pub const ALL: [Self; 2] = [Self::Occluded, Self::Closest];
 
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Occluded => "occluded",
@@ -39,7 +39,7 @@ pub struct Cast {
 
 /// A tracer under test.
 pub trait Contender {
-    /// Its name in tables and files.
+    /// Name in tables and files.
     fn name(&self) -> &str;
 
     /// Casts all rays of a set, on all cores.

@@ -23,11 +23,11 @@ const GROUP: u32 = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RayKind {
-    /// From the camera through pixels.
+    /// Rays from the camera through pixels.
     Primary,
-    /// From pixels to VPLs.
+    /// Rays from pixels to VPLs.
     Shadow,
-    /// From visible surfaces, cosine-distributed.
+    /// Rays from visible surfaces, cosine-distributed.
     Incoherent,
 }
 
@@ -35,7 +35,7 @@ impl RayKind {
     /// Every kind.
     pub const ALL: [Self; 3] = [Self::Primary, Self::Shadow, Self::Incoherent];
 
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Primary => "primary",

@@ -61,11 +61,11 @@ pub struct RayRun {
 /// Result of one tracer for a ray set.
 #[derive(Clone, Debug, Serialize)]
 pub struct TracerRun {
-    /// Its name.
+    /// Name.
     pub tracer: String,
     /// Million rays per second, by turn.
     pub rates: Vec<f64>,
-    /// Their spread.
+    /// Spread of the rates.
     pub spread: Spread,
     /// Speed relative to each other tracer: median over the turns.
     pub over: BTreeMap<String, f64>,
@@ -80,7 +80,7 @@ pub struct TimeRun {
     pub what: String,
     /// Times in ms, by turn.
     pub ms: Vec<f64>,
-    /// Their spread.
+    /// Spread of the times.
     pub spread: Spread,
 }
 

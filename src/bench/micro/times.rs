@@ -98,7 +98,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Still => "still",

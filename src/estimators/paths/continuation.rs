@@ -45,7 +45,7 @@ impl Continuation {
         ray_counters: &Buffer,
     ) -> Result<(), VulkanError> {
         let extent = vertices.depths.extent();
-        // What has moved leaves its vertices in the air.
+        // Vertices of an object that has moved lie where it was.
         let keeps = self.instances.as_ref() == Some(&inputs.pose.instances);
         if !keeps {
             self.instances = Some(inputs.pose.instances.clone());

@@ -110,7 +110,7 @@ pub struct Paths {
     trace: ComputePipeline,
     /// Made where reflection rays are traced.
     light_hits: Option<ComputePipeline>,
-    /// By the pixel's own paths.
+    /// Irradiance by the pixel's own paths.
     irradiance: Image,
     vertices: PathVertices,
     filter: Option<Filter>,
@@ -154,7 +154,7 @@ impl Paths {
     }
 }
 
-/// Of `WHITE_NOISE` and `BOUNCES` in shaders.
+/// Specialisation constants `WHITE_NOISE` and `BOUNCES` of shaders.
 fn shared_constants(settings: &Settings) -> [u32; 2] {
     [u32::from(settings.effects.noise == Noise::White), settings.bounces]
 }

@@ -25,7 +25,7 @@ impl Vpls {
         let resized = new.size != old.size;
         let (old_paths, new_paths) = (VplDistribution::of(old), VplDistribution::of(new));
 
-        // Make the new parts first, so that a failure leaves everything as it was. What a part was made of tells whether it stays.
+        // Make the new parts first, so that a failure leaves everything as it was. A part stays if its inputs do.
         let shadows = made_if(retraced || resized || new.vpl != old.vpl, || {
             IndirectShadowsPass::new(device, tracer, new.size, &new.vpl)
         })?;
@@ -77,8 +77,8 @@ impl Passes {
     /// Continues with other sets.
     fn begin_sets(&mut self, sets: SetBuffers) {
         let last = std::mem::replace(&mut self.sets, sets);
-        if self.settled.is_none() && last.is_complete() {
-            self.settled = Some(last);
+        if self.previous_sets.is_none() && last.is_complete() {
+            self.previous_sets = Some(last);
         }
     }
 }

@@ -14,7 +14,7 @@ pub struct IndirectShadingPass {
     filter: ComputePipeline,
 }
 
-/// What the filter depends on: `INTERLEAVE` and `SET_STEP` in shaders/estimators/vpls/discontinuity_filter.comp.
+/// Constants of the filter: `INTERLEAVE` and `SET_STEP` in shaders/estimators/vpls/discontinuity_filter.comp.
 pub fn filter_constants(settings: &VplSettings) -> [u32; 2] {
     [settings.interleave, set_step(settings)]
 }

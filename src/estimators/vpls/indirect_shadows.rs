@@ -1,4 +1,4 @@
-//! `indirect_shadows`: each texel of the set buffers samples a few VPLs of the set, by what they would bring, and casts
+//! `indirect_shadows`: each texel of the set buffers samples a few VPLs of the set, by their unoccluded light, and casts
 //! an occlusion ray to each.
 
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const BLOCK: u32 = 8;
 /// little beside the rest.
 const STILL_SAMPLES: u32 = 4;
 
-/// What a dispatch samples; `SamplingPush` in shaders/estimators/vpls/clusters.glsl.
+/// The samples of a dispatch; `SamplingPush` in shaders/estimators/vpls/clusters.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(super) struct SamplingPush {
@@ -36,16 +36,16 @@ pub(super) struct SamplingPush {
     set_step: u32,
     first_sample: u32,
     end_sample: u32,
-    /// Over all dispatches; 0: every VPL is gathered.
+    /// Samples over all dispatches; 0: every VPL is gathered.
     samples: u32,
-    /// Of the light, that a set holds.
+    /// Share of the light that a set holds.
     set_share: f32,
-    /// Of so many by so many texels one compensates the bias of the clamped geometry term.
+    /// One of `spread` x `spread` texels compensates the bias of the clamped geometry term.
     spread: u32,
 }
 
 impl SamplingPush {
-    /// For what samples a set without a set buffer.
+    /// Constants of a pass that samples a set without a set buffer.
     pub fn of_share(set_share: f32) -> Self {
         Self { set_share, ..Self::default() }
     }
@@ -56,14 +56,14 @@ pub struct IndirectShadowsPass {
     visibility: ComputePipeline,
     sampling: ComputePipeline,
     compensate: ComputePipeline,
-    /// Of the light, that a set holds.
+    /// Share of the light that a set holds.
     set_share: f32,
     /// Whether there is a bound of the geometry term.
     bounded: bool,
     step: u32,
-    /// For each tile, how likely it sees each cluster.
+    /// Probability that each tile sees each cluster.
     cluster_visibility: Buffer,
-    /// For each block, how much it samples each cluster.
+    /// Weight with which each block samples each cluster.
     cluster_weights: Buffer,
     /// rgb: scaled irradiance of each texel, before the filter; a: view depth.
     irradiance: Image,

@@ -1,10 +1,10 @@
 //! Indirect light from virtual point lights: instant radiosity with temporal sets (Keller 1997; Tonna 2019).
 //!
 //! - `manager`: the CPU's half: shoots, invalidates and replaces light paths; knows nothing of Vulkan.
-//! - `vpl_buffer`, `set_buffers`: what the passes share on the device: VPLs, and what each set has rendered.
+//! - `vpl_buffer`, `set_buffers`: shared by the passes on the device: the VPLs, and the renderings of the sets.
 //! - `indirect_shadows`, `indirect_shading`, `indirect_reprojection`: the passes, in order.
 //! - `hit_light`: light at what reflection rays hit.
-//! - `clusters`: VPLs by neighbourhood, which texels sample; `staleness`: what has changed since each set was rendered.
+//! - `clusters`: VPLs by neighbourhood, which texels sample; `staleness`: change since each set was rendered.
 //! - `tonna`: the method as published, an estimator by itself, for comparison.
 //! - `change`: other settings while it runs; `view`, `vpl_light`, `path_lines`, `inspect`: looking inside.
 
@@ -81,11 +81,11 @@ pub struct Vpls {
     median_segment_length: f32,
     scene_radius: f32,
     instances: usize,
-    /// What has changed since each set was rendered.
+    /// Change since each set was rendered.
     staleness: Staleness,
     /// Boxes that instances have swept since.
     swept: SweptBounds,
-    /// What the frame is to render.
+    /// The sets that the frame renders.
     frame_set: FrameSet,
     passes: Passes,
     /// The VPLs of the frame's set on the device; none before the first frame.
@@ -102,7 +102,7 @@ pub struct Vpls {
 #[derive(Default)]
 struct FrameSet {
     set: u32,
-    /// That set, after those to render before their turn.
+    /// The sets to render before their turn, then `set`.
     rendered: Vec<SampledSet>,
     /// Luminous flux of each set.
     flux: Vec<f32>,
@@ -250,15 +250,15 @@ impl Estimator for Vpls {
             passes.indirect_shading.record(frame, inputs, &uploaded, sampled_irradiance, &passes.sets)?;
             let flux = flux[*set as usize];
             let rendered = RenderedSet { set: *set, representative, irradiance_scale, flux };
-            passes.sets.note(frame, inputs, &rendered)?;
+            passes.sets.mark_rendered(frame, inputs, &rendered)?;
             last = Some(uploaded);
         }
         // There is always the set whose turn it is.
         let Some(uploaded) = last else { return Ok(()) };
-        if self.passes.sets.is_complete() && self.passes.settled.is_some() {
+        if self.passes.sets.is_complete() && self.passes.previous_sets.is_some() {
             // Frames in flight still read the old ones.
             self.device.wait_idle()?;
-            self.passes.settled = None;
+            self.passes.previous_sets = None;
         }
         let shown = self.passes.shown();
         if shown.step() == 2 {

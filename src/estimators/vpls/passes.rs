@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::indirect_reprojection::IndirectReprojectionPass;
 use super::indirect_shading::{IndirectShadingPass, filter_constants};
 use super::indirect_shadows::IndirectShadowsPass;
-use super::set_buffers::{Holes, SetBuffers, SetLayout, SetPush};
+use super::set_buffers::{FillMode, SetBuffers, SetLayout, SetPush};
 use super::vpl_buffer::{UploadedSet, VplBuffer, VplRoom};
 use crate::gpu_scene::tracer::TracerVariant;
 use crate::passes::frame_inputs::FrameInputs;
@@ -21,16 +21,16 @@ pub(super) struct Passes {
     /// The sets that this frame and the next ones render.
     pub sets: SetBuffers,
     /// The sets from before a change of settings. They are shown, where they saw anything, until all of `sets` have been rendered.
-    pub settled: Option<SetBuffers>,
+    pub previous_sets: Option<SetBuffers>,
 }
 
 impl Passes {
     /// The sets that the picture is made of.
     pub fn shown(&self) -> &SetBuffers {
-        self.settled.as_ref().unwrap_or(&self.sets)
+        self.previous_sets.as_ref().unwrap_or(&self.sets)
     }
 
-    /// Gives every pixel its irradiance from the sets that are shown; `light`: what becomes of missing sets, and the flux of all.
+    /// Gives every pixel its irradiance from the sets that are shown; `light`: the treatment of missing sets, and the flux of all.
     pub fn upsample(
         &self,
         frame: &mut Frame<'_>,
@@ -40,14 +40,14 @@ impl Passes {
         denoised: &Image,
     ) -> Result<(), VulkanError> {
         let pass = &self.indirect_reprojection;
-        let push = |sets: &SetBuffers, holes| SetPush { holes, ..sets.push(light.0, light.1) };
-        let Some(settled) = &self.settled else {
-            let push = push(&self.sets, Holes::default());
+        let push = |sets: &SetBuffers, fill_mode| SetPush { fill_mode, ..sets.push(light.0, light.1) };
+        let Some(previous) = &self.previous_sets else {
+            let push = push(&self.sets, FillMode::default());
             return pass.upsample(frame, inputs, uploaded, (&self.sets, &push), denoised);
         };
         // Old sets know nothing of what comes into view.
-        pass.upsample(frame, inputs, uploaded, (settled, &push(settled, Holes::LEAVE)), denoised)?;
-        pass.upsample(frame, inputs, uploaded, (&self.sets, &push(&self.sets, Holes::FILL)), denoised)
+        pass.upsample(frame, inputs, uploaded, (previous, &push(previous, FillMode::LEAVE)), denoised)?;
+        pass.upsample(frame, inputs, uploaded, (&self.sets, &push(&self.sets, FillMode::FILL)), denoised)
     }
 
     /// Makes the passes and empty set buffers.
@@ -64,7 +64,7 @@ impl Passes {
             indirect_shading: IndirectShadingPass::new(device, &filter_constants(vpl))?,
             indirect_reprojection: IndirectReprojectionPass::new(device, size)?,
             sets: SetBuffers::new(device, &SetLayout::of(settings), instances)?,
-            settled: None,
+            previous_sets: None,
         })
     }
 }

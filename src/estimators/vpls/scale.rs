@@ -17,7 +17,7 @@ fn power_of_two_near(value: f32) -> f32 {
     if value.is_normal() { value.log2().round().clamp(-100.0, 100.0).exp2() } else { 1.0 }
 }
 
-/// By what images scale irradiance: the irradiance of all VPLs of these luminous fluxes, spread over surfaces a typical `length` apart,
+/// Factor of irradiance in images: the irradiance of all VPLs of these luminous fluxes, spread over surfaces a typical `length` apart,
 /// is brought near 1 by a power of two, so that half floats neither overflow nor lose digits, whatever the scene's units.
 pub(super) fn irradiance_scale(flux: &[f32], length: f32) -> f32 {
     power_of_two_near(flux.iter().sum::<f32>() / (6.0 * length * length)).recip()

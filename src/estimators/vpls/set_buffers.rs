@@ -1,4 +1,4 @@
-//! What the temporal sets have rendered: a buffer for each, and the camera, the light and the transforms of the
+//! Renderings of the temporal sets: a buffer for each, and the camera, the light and the transforms of the
 //! frame that rendered it. Written by `indirect_shading`, read by `indirect_reprojection`.
 //!
 //! Where the filter's window spans several pixels, set buffers have half the resolution in each direction. A texel then stands
@@ -50,7 +50,7 @@ impl SetView {
     }
 }
 
-/// What is known of a set that was rendered, a texel; `set_at` in shaders/estimators/vpls/set_buffers.glsl.
+/// Parameters of a set that was rendered, a texel; `set_at` in shaders/estimators/vpls/set_buffers.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct SetParameters {
@@ -64,11 +64,11 @@ struct SetParameters {
     offset_layer_frame: u32,
 }
 
-/// What looking a surface up in the sets takes; `SetPush` in shaders/estimators/vpls/set_buffers.glsl.
+/// Constants of lookups in the sets; `SetPush` in shaders/estimators/vpls/set_buffers.glsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SetPush {
-    /// Of the pictures of the sets, pixels.
+    /// Width and height of the pictures of the sets, pixels.
     pub size: [u32; 2],
     /// Pixels from one texel to the next.
     pub set_step: u32,
@@ -84,36 +84,36 @@ pub struct SetPush {
     pub total_flux: f32,
     /// Number of the view.
     pub view: u32,
-    /// For a view: the number of this frame.
+    /// Number of this frame, for a view.
     pub frame: u32,
-    /// For a view: pixels from one texel of the set that this frame renders to the next.
+    /// Pixels from one texel of the set that this frame renders to the next, for a view.
     pub rendered_step: u32,
-    /// What becomes of pixels that no set saw, in shaders/estimators/vpls/irradiance_upsampling.comp.
-    pub holes: Holes,
+    /// For shaders/estimators/vpls/irradiance_upsampling.comp: which pixels it fills.
+    pub fill_mode: FillMode,
 }
 
-/// What an upsampling does with pixels that no set saw.
+/// Which pixels an upsampling fills; by default all, from neighbours where no set saw them.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Holes(u32);
+pub struct FillMode(u32);
 
-impl Holes {
-    /// Leaves them to other sets.
+impl FillMode {
+    /// Leaves the pixels that no set saw to other sets.
     pub const LEAVE: Self = Self(1);
-    /// Fills what other sets have left, and nothing else.
+    /// Fills only the pixels that other sets have left.
     pub const FILL: Self = Self(2);
 }
 
 /// The set that a frame renders.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderedSet {
-    /// Its index.
+    /// Index.
     pub set: u32,
     /// See [`SetBuffers::representative`].
     pub representative: [u32; 2],
-    /// What its buffer's irradiance is multiplied by.
+    /// Its buffer holds irradiance times this.
     pub irradiance_scale: f32,
-    /// Its luminous flux.
+    /// Luminous flux.
     pub flux: f32,
 }
 
@@ -125,16 +125,16 @@ pub struct SetBuffers {
     spare: u32,
     /// The layer of each set.
     layers: Vec<u32>,
-    /// Of the picture, pixels.
+    /// Width and height of the picture, pixels.
     size: [u32; 2],
     /// Pixels from one texel to the next: 1 or 2.
     step: u32,
-    /// For each set its [`SetParameters`], zero before it was first rendered, and where its camera saw all instances, then the world:
+    /// [`SetParameters`] of each set, zero before it was first rendered, and where its camera saw all instances, then the world:
     /// [`SetView::rows`].
     views: Buffer,
     /// Luminous flux of each set, none before it was first rendered.
     flux: Vec<Option<f32>>,
-    /// With the world itself.
+    /// Number of instances, with the world itself.
     instances: usize,
 }
 
@@ -196,7 +196,7 @@ impl SetBuffers {
         &self.buffers
     }
 
-    /// What is known of the sets, and where their cameras saw all instances.
+    /// The parameters of the sets, and the transforms from all instances to the view of each set's camera.
     pub fn views(&self) -> &Buffer {
         &self.views
     }
@@ -228,8 +228,8 @@ impl SetBuffers {
         self.spare
     }
 
-    /// Notes that the frame with these inputs has rendered a set into [`Self::target`].
-    pub fn note(
+    /// Records the view, flux and layer of the set that this frame has rendered into [`Self::target`].
+    pub fn mark_rendered(
         &mut self,
         frame: &mut Frame<'_>,
         inputs: &FrameInputs<'_>,
@@ -255,7 +255,7 @@ impl SetBuffers {
         Ok(())
     }
 
-    /// What looking surfaces up takes. `set_flux`: luminous flux of each set now, for those that were not rendered yet.
+    /// Constants of lookups. `set_flux`: luminous flux of each set now, for those that were not rendered yet.
     pub fn push(&self, missing_sets: MissingSets, set_flux: &[f32]) -> SetPush {
         let flux = |(set, rendered): (usize, &Option<f32>)| {
             rendered.unwrap_or_else(|| set_flux.get(set).copied().unwrap_or(0.0))
@@ -298,7 +298,7 @@ mod tests {
             view,
             frame,
             rendered_step,
-            holes
+            fill_mode
         );
     }
 }

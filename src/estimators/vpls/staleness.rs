@@ -22,9 +22,9 @@ const FAR: f32 = 0.25;
 /// The changes since each set was rendered.
 #[derive(Clone, Debug)]
 pub struct Staleness {
-    /// For each set the sum, over the frames since, of the share of all flux that changed.
+    /// Sum for each set, over the frames since, of the share of all flux that changed.
     changes: Vec<f32>,
-    /// For each set whether a light has changed since.
+    /// Whether a light has changed since each set was rendered.
     lights_changed: Vec<bool>,
     /// Position and luminous flux of each VPL in the last frame.
     last: Vec<(Vec3, f32)>,
@@ -81,8 +81,8 @@ impl Staleness {
         self.lights_changed[set as usize] = false;
     }
 
-    /// How many turns of a set still count, at most `longest`: none where a light has changed, as few VPLs may be of it; what moves
-    /// between surfaces is known place by place, see `swept_bounds`.
+    /// How many turns of a set still count, at most `longest`: none where a light has changed, as few VPLs may be of it; occlusion by objects
+    /// that move is known place by place, see `swept_bounds`.
     pub fn history(&self, set: u32, longest: u32) -> f32 {
         if self.lights_changed[set as usize] {
             return 0.0;

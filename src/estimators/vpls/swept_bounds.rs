@@ -42,7 +42,7 @@ pub struct SweptBounds {
     /// Object-space bounds of each mesh.
     meshes: Vec<(Vec3, Vec3)>,
     last: Vec<Affine3A>,
-    /// For each set: the instance that swept a box, and the box.
+    /// The instances that have swept boxes, and the boxes, for each set.
     swept: Vec<Vec<(usize, SweptBox)>>,
 }
 

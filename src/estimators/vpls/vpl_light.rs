@@ -1,4 +1,4 @@
-//! `vpl_light`: what one VPL alone sends to every pixel, for looking at VPLs one by one.
+//! `vpl_light`: irradiance of every pixel by one VPL alone, for looking at VPLs one by one.
 
 use std::sync::Arc;
 

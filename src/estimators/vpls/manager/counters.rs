@@ -37,7 +37,7 @@ impl InvalidationReason {
         Self::NoSlot,
     ];
 
-    /// Its label in the user interface, and its key among the counters of a frame.
+    /// Label in the user interface, and its key among the counters of a frame.
     const NAMES: [(&str, &str); 6] = [
         ("light turned away", "vpls.invalidated_by.light_turned_away"),
         ("surfaces face away", "vpls.invalidated_by.faces_away"),
@@ -52,7 +52,7 @@ impl InvalidationReason {
         Self::NAMES[self as usize].0
     }
 
-    /// Its key among the counters of a frame.
+    /// Key among the counters of a frame.
     pub const fn counter(self) -> &'static str {
         Self::NAMES[self as usize].1
     }

@@ -150,7 +150,7 @@ impl Sky {
         let (direction, density) = environment.sample(u).unwrap_or_else(uniform);
         let weight =
             environment.radiance(direction) / (environment.mean() * (4.0 * std::f32::consts::PI * density));
-        // A colour that the environment lacks brings nothing.
+        // A colour that the environment lacks has no flux.
         let weight = Vec3::select(weight.is_finite_mask(), weight, Vec3::ZERO);
         (environment.uv_of(direction), weight)
     }
@@ -200,9 +200,9 @@ impl Source {
 pub(super) struct AreaTable {
     /// The emissive instance.
     pub(super) instance: u32,
-    /// Its emissive triangles, ascending by index and side.
+    /// Emissive triangles, ascending by index and side.
     triangles: Vec<AreaTriangle>,
-    /// Their cumulative distribution.
+    /// Cumulative distribution over the triangles.
     cdf: Vec<f32>,
     /// Triangle flux / (probability * light flux), per channel: 1 for lights of uniform colour.
     weights: Vec<Vec3>,

@@ -51,7 +51,7 @@ impl GlossyLobe {
     /// The lobe, normalized.
     fn reflection(&self, normal: Vec3) -> Reflection {
         let [.., roughness] = self.fields();
-        Bsdf::white_ggx(roughness).seen(normal, -self.incident)
+        Bsdf::white_ggx(roughness).prepare(normal, -self.incident)
     }
 
     /// Intensity of the VPL in a unit direction over its flux, 1/sr, of both lobes.
@@ -115,12 +115,12 @@ mod tests {
                 let (mut total, mut error, mut of_lambertian) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
                 for (direction, angle) in directions(Vec3::Z) {
                     // Seen from the direction in which light leaves.
-                    let lobes = bsdf.seen(Vec3::Z, direction).evaluate(-incident);
-                    let truth = (lobes.diffuse + lobes.reflected) * (direction.z * angle);
-                    total += truth;
+                    let lobes = bsdf.prepare(Vec3::Z, direction).evaluate(-incident);
+                    let reference = (lobes.diffuse + lobes.reflected) * (direction.z * angle);
+                    total += reference;
                     let emitted = |lobe: &GlossyLobe| albedo * lobe.density(Vec3::Z, direction) * angle;
-                    error += (emitted(&lobe) - truth).abs();
-                    of_lambertian += (emitted(&GlossyLobe::NONE) - truth).abs();
+                    error += (emitted(&lobe) - reference).abs();
+                    of_lambertian += (emitted(&GlossyLobe::NONE) - reference).abs();
                 }
                 assert!((albedo / total - 1.0).abs().max_element() < 0.1, "{albedo} {total}");
                 assert!((error / total).max_element() < 0.3, "slope {slope}: {}", error / total);

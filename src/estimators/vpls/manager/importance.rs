@@ -1,4 +1,4 @@
-//! How much a VPL on a surface brings to the picture.
+//! Importance of a VPL on a surface: how much it lights of what the camera sees.
 //!
 //! In: a camera and the BVH. Out: an importance for each place and, at infinity, each direction. A cosine-distributed ray from a
 //! visible point hits a surface with the very density with which a Lambertian VPL there, per unit of flux and unoccluded, lights that point. So
@@ -25,7 +25,7 @@ const WIDER: f32 = 1.25;
 const CELL: f32 = 0.25;
 /// Importance where no ray went near: chance may have missed it, and VPLs have children.
 const LEAST: f32 = 0.03;
-/// Importance where few rays went: one VPL brings much there.
+/// Importance where few rays went: one VPL lights much there.
 const LEAST_USEFUL: f32 = 0.3;
 
 /// Grid cells from the middle of the directions' grid to its end.
@@ -77,7 +77,7 @@ impl Importance {
         importance
     }
 
-    /// Grows with what a VPL there brings, up to a mean amount; not 0 anywhere, so that all light has a chance.
+    /// Grows with the light of VPLs there, up to the mean; not 0 anywhere, so that all light has a chance.
     pub(super) fn at(&self, surface: &WorldSurface, at_infinity: bool) -> f32 {
         match self.cells.get(&self.cell_of_vpl(surface, at_infinity)) {
             Some(value) => LEAST_USEFUL + value.min(1.0),

@@ -6,11 +6,11 @@
 //! - `vpl_manager`: the manager itself, which owns the slots.
 //! - `quota`, `assignment`: paths per light; slots per path and bounce.
 //! - `emitter`, `focus`: emission sampling.
-//! - `placement`, `importance`: the choice among several candidates for a slot, by what a VPL brings to the picture.
-//! - `changes`: what changed in the world; `invalidate`, `slot_test`: algorithm 2; `replace`, `shoot`: algorithm 3.
+//! - `placement`, `importance`: the choice among several candidates for a slot, by their light in the picture.
+//! - `changes`: compares the world with the last frame; `invalidate`, `slot_test`: algorithm 2; `replace`, `shoot`: algorithm 3.
 //! - `glossy_lobe`: the GGX lobe of VPLs on glossy surfaces.
 //! - `upload`: the VPLs of a set for the shaders.
-//! - `counters`: what is reported; `inspect`: for debug views and the warning about slots without light.
+//! - `counters`: for reports; `inspect`: for debug views and the warning about slots without light.
 
 mod assignment;
 mod changes;

@@ -25,7 +25,7 @@ impl VplManager {
     }
 
     /// Shoots the paths whose turn it is in a still frame, so many that all have had theirs after as many frames as temporal sets, or
-    /// as the budget allows. Nothing has changed: what they hold is as good as before.
+    /// as the budget allows. Nothing has changed: their old VPLs are as good as the new.
     pub(super) fn reshoot_next_paths(&mut self, world: World<'_>, still: u32) -> u32 {
         let paths = self.assignment.paths();
         let longest = (0..paths).map(|path| self.assignment.path(path).len()).max().unwrap_or(1);

@@ -44,7 +44,7 @@ pub(super) struct Slot {
     pub(super) point: SurfacePoint,
     /// Product of the albedos along the path, the weight of its start and those of the thin surfaces passed.
     pub(super) throughput: Vec3,
-    /// Of a glossy surface, for the direction in which it was shot.
+    /// Lobe of a glossy surface, for the direction in which it was shot.
     pub(super) lobe: GlossyLobe,
     /// The effect of thin surfaces on the ray that shot it.
     pub(super) transmission: Transmission,
@@ -104,7 +104,7 @@ impl Slot {
 pub struct SlotView {
     /// Index of the slot.
     pub slot: u32,
-    /// Its state.
+    /// State.
     pub state: SlotState,
     /// Index of its light; none if the slot is unassigned.
     pub light: Option<u32>,
@@ -126,7 +126,7 @@ pub struct SlotView {
     pub useful: bool,
     /// Whether it awaits replacement.
     pub stale: bool,
-    /// Its temporal set.
+    /// Temporal set.
     pub set: u32,
     /// World position of its parent or light; for directional lights a point towards the light. Meaningful
     /// if valid.
@@ -138,6 +138,6 @@ pub struct SlotView {
 pub struct SlotHistory {
     /// Frames since it was shot; 0: shot in the last frame.
     pub age: u32,
-    /// Its last invalidation since the slots were last reassigned.
+    /// Last invalidation since the slots were last reassigned.
     pub invalidation: Option<Invalidation>,
 }

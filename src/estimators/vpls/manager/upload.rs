@@ -31,7 +31,7 @@ pub struct GpuVpl {
     pub flux: Vec3,
     /// 1: a direction instead of a place.
     pub at_infinity: u32,
-    /// Of a glossy surface.
+    /// Lobe of a glossy surface.
     pub lobe: GlossyLobe,
 }
 

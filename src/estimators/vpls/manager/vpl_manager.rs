@@ -21,7 +21,7 @@ pub(in super::super) struct VplDistribution {
 }
 
 impl VplDistribution {
-    /// That of the settings.
+    /// The distribution that the settings ask for.
     pub(in super::super) fn of(settings: &Settings) -> Self {
         Self {
             layout: Layout {

@@ -144,7 +144,7 @@ impl Estimator for Tonna {
         self.passes.render_set(frame, inputs, &uploaded, &self.sets)?;
         let flux = self.flux[self.set as usize];
         let rendered = RenderedSet { set: self.set, representative: [0, 0], irradiance_scale, flux };
-        self.sets.note(frame, inputs, &rendered)?;
+        self.sets.mark_rendered(frame, inputs, &rendered)?;
         let push = self.sets.push(self.settings.missing_sets, &self.flux);
         self.passes.add_up(frame, inputs, &uploaded, (&self.sets, &push))
     }

@@ -40,7 +40,7 @@ fn blur_is_as_wide_as_is_of_use() {
     let Some(gpu) = GpuFixture::open() else { return };
     for separable in [false, true] {
         let settings = SvgfSettings { separable, ..SvgfSettings::default() };
-        assert_eq!(settings.reach(), 30.0);
+        assert_eq!(settings.filter_radius(), 30.0);
         let widths = [0.0, 1.0, 2.0, 4.0, 8.0, 15.0, 22.0, 30.0]
             .map(|pixels| (pixels, width(&gpu, &settings, pixels / 30.0)));
         println!("separable {separable}: pixels of use, and spread: {widths:?}");
