@@ -125,7 +125,7 @@ fn granja_casts_one_ray_for_shadows_and_accumulates_by_its_shares() {
         ],
         &["direct_shadows", "indirect_shadows", "paths_trace", "still"],
     );
-    let expected = mean_light(&layer(&reference("cornell-box", &scene, [SIDE; 2], 1, 256), "direct"));
+    let expected = mean_light(&layer(&reference("corner-wide-sun", &scene, [SIDE; 2], 1, 256), "direct"));
     let renderer = gpu.rendered(&scene, &preset(Preset::Granja), 48);
     let ratio = mean_light(&layer(&renderer.read_picture(true).unwrap(), "direct")) / expected;
     // Clamped history and a curve that counts bright light less take some.
