@@ -242,7 +242,7 @@ const KNOW_VPLS: [&str; 7] = [
     "src/demo/inspector.rs",
     "src/demo/panel/vpls.rs",
     "src/demo/tour.rs",
-    "src/demo/views.rs",
+    "src/demo/view.rs",
 ];
 /// The room that only those of [`KNOW_VPLS`] know.
 const VPLS: &str = "estimators/vpls";

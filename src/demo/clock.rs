@@ -15,7 +15,7 @@ const ADAPTATION: f64 = 0.15;
 /// How animation time advances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Pace {
+pub enum FramePacing {
     /// With real time.
     #[default]
     RealTime,
@@ -28,14 +28,14 @@ pub(super) struct Clock {
     /// Seconds.
     pub time: f64,
     pub paused: bool,
-    pub pace: Pace,
+    pub pacing: FramePacing,
     last_frame: Instant,
     interval: Duration,
 }
 
 impl Clock {
-    pub fn new(pace: Pace) -> Self {
-        Self { time: 0.0, paused: false, pace, last_frame: Instant::now(), interval: Duration::ZERO }
+    pub fn new(pacing: FramePacing) -> Self {
+        Self { time: 0.0, paused: false, pacing, last_frame: Instant::now(), interval: Duration::ZERO }
     }
 
     /// When the last frame started.
@@ -54,9 +54,9 @@ impl Clock {
         self.interval = now - self.last_frame;
         self.last_frame = now;
         if !self.paused {
-            self.time += match self.pace {
-                Pace::RealTime => self.interval.as_secs_f64().min(LONGEST_PAUSE),
-                Pace::Steps => step,
+            self.time += match self.pacing {
+                FramePacing::RealTime => self.interval.as_secs_f64().min(LONGEST_PAUSE),
+                FramePacing::Steps => step,
             };
         }
     }

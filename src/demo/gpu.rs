@@ -5,7 +5,8 @@ use std::sync::Arc;
 use raw_window_handle::HasDisplayHandle;
 use winit::window::Window;
 
-use super::{DemoError, Launch};
+use super::error::DemoError;
+use super::launch::Launch;
 use crate::vulkan::{Device, DeviceInfo, Instance, InstanceOptions, PresentMode, Presenter, Surface};
 
 /// A device that presents to the window.

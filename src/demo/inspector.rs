@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Vec2, Vec3};
 
-use super::DemoError;
+use super::error::DemoError;
 use super::session::Session;
 use crate::estimators::vpls::{SlotHistory, SlotView, VplContribution, Vpls};
 use crate::renderer::{DebugView, Line, Picked};

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPoolBuilder;
 
-use super::{DemoError, Launch};
+use super::error::DemoError;
+use super::launch::Launch;
 use crate::formats::{ReadFiles, SceneDocument};
 use crate::renderer::{PreparedScene, Renderer};
 use crate::scene::Scene;

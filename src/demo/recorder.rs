@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::screenshot::Saving;
+use super::saving::Saving;
 use super::session::Session;
 use crate::formats::SceneDocument;
 use crate::scene::{Pose, RecordedFrame};

@@ -1,6 +1,6 @@
 //! Undo: edits of the scene, and settings, can be taken back.
 
-use super::session::Selected;
+use super::action::Selected;
 use crate::formats::SceneDocument;
 use crate::settings::Settings;
 
@@ -55,18 +55,19 @@ impl Press {
 }
 
 impl Undo {
-    /// Notes the state before an edit that was made during `press`.
-    pub fn remember(&mut self, before: State, press: Press) {
-        let same_press = press.current().is_some() && press.current() == self.press;
+    /// Whether a change during `press` would be a step of its own; if not, it belongs to the last one.
+    pub fn begins_step(&self, press: Press) -> bool {
+        press.current().is_none() || press.current() != self.press
+    }
+
+    /// Notes the state before the first change of a step; none: the step goes on.
+    pub fn remember(&mut self, before: Option<State>, press: Press) {
         self.press = press.current();
         self.future.clear();
-        if same_press {
-            return;
-        }
-        if self.past.len() == KEPT {
+        if self.past.len() == KEPT && before.is_some() {
             self.past.remove(0);
         }
-        self.past.push(before);
+        self.past.extend(before);
     }
 
     /// Steps back from `now`: the state before it.

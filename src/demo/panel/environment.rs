@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use egui::{ComboBox, Slider, SliderClamping, TextEdit, Ui};
 
-use super::objects::power;
-use super::scene::short;
-use super::{PanelState, Places, Shown, keep_keyboard, place, place_track};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::{Layout, keep_keyboard, place, place_track, power, short};
+use crate::demo::action::{Actions, AppAction, EditAction};
 use crate::formats::EnvironmentEntry;
 
 /// The first colour, W/m^2/sr.
@@ -17,28 +16,27 @@ const STRENGTH: [f32; 2] = [100.0, 0.01];
 
 pub(super) fn draw(
     ui: &mut Ui,
-    state: &mut PanelState,
+    typed: &mut String,
     shown: &Shown<'_>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
+    layout: &mut Layout,
+    actions: &mut Actions,
 ) {
-    let Some(session) = shown.session else { return };
+    let Some(session) = shown.session() else { return };
     let now = session.document.environment();
     kind(ui, now, actions);
     ui.horizontal(|ui| {
-        let typed = &mut state.scene.map;
         let field = ui.add(TextEdit::singleline(typed).hint_text("map.hdr or map.exr").desired_width(150.0));
-        place(ui, places, "map", &field);
+        place(ui, layout, "map", &field);
         keep_keyboard(ui, &field);
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         if (ui.button("Use").clicked() || entered) && !typed.trim().is_empty() {
-            actions.push(Action::OpenMap(PathBuf::from(typed.trim())));
+            actions.push(EditAction::OpenMap(PathBuf::from(typed.trim())));
         }
     });
     let Some(now) = now else { return };
     let mut entry = now.clone();
     if entry.has_map() {
-        map(ui, &mut entry, places);
+        map(ui, &mut entry, layout);
     } else {
         let strength = entry.strength.unwrap_or(1.0);
         let mut radiance = entry.colour.unwrap_or_default().map(|channel| channel * strength);
@@ -49,12 +47,12 @@ pub(super) fn draw(
         }
     }
     if entry != *now {
-        actions.push(Action::EditEnvironment(Some(Box::new(entry))));
+        actions.push(EditAction::EditEnvironment(Some(Box::new(entry))));
     }
 }
 
 /// The choice of what it is.
-fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, actions: &mut Vec<Action>) {
+fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, actions: &mut Actions) {
     let label = match now {
         None => "none",
         Some(EnvironmentEntry { builtin: Some(name), .. }) => name,
@@ -70,22 +68,22 @@ fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, actions: &mut Vec<Action>) 
             ("sky", Some(EnvironmentEntry::sky())),
         ] {
             if ui.selectable_label(name == label, name).clicked() && name != label {
-                actions.push(Action::EditEnvironment(entry.map(Box::new)));
+                actions.push(EditAction::EditEnvironment(entry.map(Box::new)));
             }
         }
         if ui.selectable_label(false, "map …").on_hover_text("or drop it on the window").clicked() {
-            actions.push(Action::AskMap);
+            actions.push(AppAction::AskMap);
         }
     });
 }
 
 /// Brightness and rotation of a map.
-fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, places: &mut Places) {
+fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, layout: &mut Layout) {
     let mut strength = entry.strength.unwrap_or(1.0);
     let slider =
         Slider::new(&mut strength, 0.0..=STRENGTH[0]).logarithmic(true).clamping(SliderClamping::Edits);
     let slider = ui.add(slider.smallest_positive(f64::from(STRENGTH[1])).text("strength"));
-    place_track(ui, places, "strength", &slider);
+    place_track(ui, layout, "strength", &slider);
     if slider.changed() {
         entry.strength = Some(strength);
     }
@@ -96,7 +94,7 @@ fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, places: &mut Places) {
             .suffix("°")
             .text("rotation"),
     );
-    place_track(ui, places, "rotation", &slider);
+    place_track(ui, layout, "rotation", &slider);
     if slider.changed() {
         entry.rotation_deg = Some(degrees);
     }

@@ -3,13 +3,15 @@
 use egui::style::ScrollStyle;
 use egui::{Grid, ScrollArea, Ui, Window};
 
-use super::PanelState;
-use crate::demo::action::{BINDINGS, GESTURES};
+use super::shown::Shown;
+use crate::demo::action::{Actions, AppAction};
+use crate::demo::bindings::{BINDINGS, GESTURES};
 
-pub(super) fn draw(ui: &mut Ui, state: &mut PanelState) {
-    let corner = state.viewport(ui.ctx()).min;
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
+    let corner = shown.picture_area(ui.ctx()).min;
+    let mut is_open = true;
     let window = Window::new("Keys")
-        .open(&mut state.help)
+        .open(&mut is_open)
         .fixed_pos(corner + egui::vec2(8.0, 8.0))
         .collapsible(false)
         .resizable(false);
@@ -19,6 +21,9 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState) {
         ui.spacing_mut().scroll = ScrollStyle::thin();
         ScrollArea::vertical().max_height(height).show(ui, list);
     });
+    if !is_open {
+        actions.push(AppAction::ToggleHelp);
+    }
 }
 
 fn list(ui: &mut Ui) {

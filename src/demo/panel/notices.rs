@@ -2,7 +2,9 @@
 
 use egui::{Align2, Area, Color32, Frame, Id, Rect, RichText, Ui};
 
-use super::{PanelState, place};
+use super::shown::Shown;
+use super::widgets::{Layout, place};
+use crate::demo::action::{Actions, AppAction};
 use crate::demo::loader::Loader;
 
 /// Widest text, points.
@@ -21,11 +23,12 @@ pub(super) fn caption(ui: &Ui, viewport: Rect, caption: &str) {
 }
 
 /// The last error, until it is dismissed.
-pub(super) fn error(ui: &Ui, state: &mut PanelState) {
-    let Some(error) = &state.error else { return };
-    let at = state.viewport(ui.ctx()).center_top() + egui::vec2(0.0, 12.0);
+pub(super) fn error(ui: &Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mut Actions) {
+    let Some(error) = &shown.view.interface.error else { return };
+    let viewport = shown.picture_area(ui.ctx());
+    let at = viewport.center_top() + egui::vec2(0.0, 12.0);
     let area = Area::new(Id::new("error")).fixed_pos(at).pivot(Align2::CENTER_TOP);
-    let width = (state.viewport(ui.ctx()).width() - 40.0).min(WIDEST);
+    let width = (viewport.width() - 40.0).min(WIDEST);
     let dismiss = area.show(ui.ctx(), |ui| {
         let frame = Frame::popup(ui.style()).show(ui, |ui| {
             ui.set_max_width(width);
@@ -34,17 +37,17 @@ pub(super) fn error(ui: &Ui, state: &mut PanelState) {
         });
         frame.inner
     });
-    place(ui, &mut state.places, "dismiss", &dismiss.inner);
+    place(ui, layout, "dismiss", &dismiss.inner);
     if dismiss.inner.clicked() {
-        state.error = None;
+        actions.push(AppAction::DismissError);
     }
 }
 
-/// What the next frames wait for, in the middle.
-pub(super) fn preparing(ui: &Ui, viewport: Rect, what: &str) {
+/// Names what the next frames wait for, in the middle.
+pub(super) fn preparing(ui: &Ui, viewport: Rect, subject: &str) {
     let area = Area::new(Id::new("preparing")).fixed_pos(viewport.center()).pivot(Align2::CENTER_CENTER);
     area.interactable(false).show(ui.ctx(), |ui| {
-        Frame::popup(ui.style()).show(ui, |ui| ui.label(format!("preparing {what} …")));
+        Frame::popup(ui.style()).show(ui, |ui| ui.label(format!("preparing {subject} …")));
     });
 }
 

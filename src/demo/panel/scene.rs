@@ -5,18 +5,15 @@ use std::path::Path;
 use egui::{ComboBox, TextEdit, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 
-use super::{PanelState, Places, Shown, keep_keyboard, place};
-use crate::demo::action::Action;
-use crate::demo::edit::NewObject;
+use super::shown::Shown;
+use super::widgets::{Layout, keep_keyboard, place};
+use crate::demo::action::{Action, Actions, AppAction, EditAction, NewObject, RightSide, ViewAction};
 use crate::demo::recorder::Recording;
-use crate::demo::split::RightSide;
 
 /// Text field and file dialog.
 #[derive(Default)]
 pub(in crate::demo) struct SceneState {
     path: String,
-    /// Typed name of an environment's map.
-    pub(super) map: String,
     dialog: Option<(FileDialog, Purpose)>,
 }
 
@@ -80,17 +77,17 @@ impl SceneState {
     }
 
     /// Shows the dialog, if it is open.
-    pub(super) fn ask(&mut self, context: &egui::Context, actions: &mut Vec<Action>) {
+    pub(super) fn ask(&mut self, context: &egui::Context, actions: &mut Actions) {
         let Some((dialog, purpose)) = &mut self.dialog else { return };
         dialog.update(context);
         let picked = dialog.take_picked();
         let done = picked.is_some() || !matches!(dialog.state(), DialogState::Open);
         actions.extend(picked.map(|path| match purpose {
-            Purpose::Open => Action::Open(path.to_string_lossy().into_owned()),
-            Purpose::Save => Action::Save(path),
-            Purpose::Map => Action::OpenMap(path),
-            Purpose::Model => Action::AddObject(NewObject::File(path)),
-            Purpose::Picture => Action::Split(Some(RightSide::Picture(path))),
+            Purpose::Open => Action::from(AppAction::Open(path.to_string_lossy().into_owned())),
+            Purpose::Save => AppAction::Save(path).into(),
+            Purpose::Map => EditAction::OpenMap(path).into(),
+            Purpose::Model => EditAction::AddObject(NewObject::File(path)).into(),
+            Purpose::Picture => ViewAction::Split(Some(RightSide::Picture(path))).into(),
         }));
         if done {
             self.dialog = None;
@@ -100,69 +97,63 @@ impl SceneState {
 
 pub(super) fn draw(
     ui: &mut Ui,
-    state: &mut PanelState,
+    state: &mut SceneState,
     shown: &Shown<'_>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
+    layout: &mut Layout,
+    actions: &mut Actions,
 ) {
     ui.horizontal(|ui| {
-        let field =
-            TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml, model.obj or model.glb");
+        let field = TextEdit::singleline(&mut state.path).hint_text("scene.toml, model.obj or model.glb");
         let field = ui.add(field.desired_width(150.0));
-        place(ui, places, "path", &field);
+        place(ui, layout, "path", &field);
         keep_keyboard(ui, &field);
         let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-        let typed = state.scene.path.trim();
+        let typed = state.path.trim();
         if (ui.button("Open").clicked() || entered) && !typed.is_empty() {
-            actions.push(Action::Open(typed.to_owned()));
+            actions.push(AppAction::Open(typed.to_owned()));
         }
     });
     ui.horizontal(|ui| {
         if ui.button("Open …").on_hover_text("Ctrl+O; files can also be dropped on the window").clicked() {
-            actions.push(Action::AskOpen);
+            actions.push(AppAction::AskOpen);
         }
         if ui
             .button("Save …")
             .on_hover_text("The scene with all changes, camera and settings (Ctrl+S)")
             .clicked()
         {
-            actions.push(Action::AskSave);
+            actions.push(AppAction::AskSave);
         }
     });
     ui.horizontal_wrapped(|ui| {
         if ui.button("Screenshot").on_hover_text("F12; with shift: EXR").clicked() {
-            actions.push(Action::Screenshot { exr: false });
+            actions.push(AppAction::Screenshot { exr: false });
         }
         if ui.button("Command").on_hover_text("Copies the command line that renders this (F4)").clicked() {
-            actions.push(Action::CopyCommand);
+            actions.push(AppAction::CopyCommand);
         }
-        let (label, recording) = match shown.recording {
+        let (label, recording) = match &shown.view.recording {
             Recording::On(recorder) => (format!("Stop ({})", recorder.count()), true),
             Recording::Waiting => ("Stop".to_owned(), true),
             Recording::Off => ("Record".to_owned(), false),
         };
         let button = ui.selectable_label(recording, label);
         if button.on_hover_text("Records camera and edits; render replays the file (Ctrl+R)").clicked() {
-            actions.push(Action::ToggleRecording);
+            actions.push(AppAction::ToggleRecording);
         }
         if ui.button("Keys").on_hover_text("F1").clicked() {
-            actions.push(Action::ToggleHelp);
+            actions.push(AppAction::ToggleHelp);
         }
     });
     window(ui, shown, actions);
 }
 
-/// A path without its folder.
-pub(super) fn short(name: &str) -> &str {
-    Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name)
-}
-
-fn window(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+fn window(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
     let mode = shown.gpu.presenter.mode();
     ComboBox::from_label("present mode").selected_text(mode.label()).show_ui(ui, |ui| {
         for offered in &shown.gpu.modes {
             if ui.selectable_label(*offered == mode, offered.label()).clicked() {
-                actions.push(Action::SetPresentMode(*offered));
+                actions.push(AppAction::SetPresentMode(*offered));
             }
         }
     });
@@ -180,7 +171,7 @@ fn window(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     combo.show_ui(ui, |ui| {
         for device in shown.gpu.devices.iter().filter(|device| device.unusable.is_none()) {
             if ui.selectable_label(device.index == current.index, &device.name).clicked() {
-                actions.push(Action::RestartDevice(Some(device.index)));
+                actions.push(AppAction::RestartDevice(Some(device.index)));
             }
         }
     });

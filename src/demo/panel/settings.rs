@@ -1,16 +1,15 @@
 //! All settings, with tooltips and reset buttons. Rows, ranges and tooltips come from the settings' descriptors.
 
-use clap::ValueEnum;
 use egui::{Align, ComboBox, DragValue, Layout, Response, Ui};
 use toml::Value;
 
-use super::Shown;
-use crate::demo::action::Action;
+use super::shown::Shown;
+use crate::demo::action::{Actions, EditAction, ViewAction};
 use crate::demo::resolution::{COARSEST, Resolution};
 use crate::settings::{GROUPS, Kind, Setting, Settings};
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let Some(session) = shown.session else { return };
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
+    let Some(session) = shown.session() else { return };
     let mut settings = session.settings.clone();
     let defaults = Settings::default();
     for group in GROUPS {
@@ -22,13 +21,13 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
             }
         });
     }
-    coarseness(ui, shown.resolution, actions);
+    coarseness(ui, &shown.view.size.resolution, actions);
     if settings != session.settings {
-        actions.push(Action::Set(Box::new(settings)));
+        actions.push(EditAction::Set(Box::new(settings)));
     }
 }
 
-fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
+fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Actions) {
     let (mut pixels, mut automatic) = (resolution.coarseness, resolution.automatic);
     let line = ui.horizontal(|ui| {
         ui.label("pixel size");
@@ -40,7 +39,7 @@ fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
         "The size follows the window. 2: each pixel covers 2x2 of the window, at a quarter of the cost.",
     );
     if (pixels, automatic) != (resolution.coarseness, resolution.automatic) {
-        actions.push(Action::SetCoarseness((!automatic).then_some(pixels)));
+        actions.push(ViewAction::SetCoarseness((!automatic).then_some(pixels)));
     }
 }
 
@@ -141,11 +140,6 @@ fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut Str
         }
         Kind::Size { .. } => ui.label(wanted.as_str()),
     }
-}
-
-/// The name of a value on the command line.
-pub(super) fn name_of(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use egui::collapsing_header::CollapsingState;
 use egui::{Button, Id, RichText, ScrollArea, Ui};
 
-use super::{Places, place};
-use crate::demo::action::Action;
-use crate::demo::session::{Selected, Session};
+use super::widgets::{Layout, place};
+use crate::demo::action::{Action, Actions, EditAction, Selected, ViewAction};
+use crate::demo::session::Session;
 use crate::scene::Mesh;
 
 /// Height of the tree, points.
@@ -42,8 +42,8 @@ pub(super) fn draw(
     session: &Session,
     material: Option<usize>,
     searched: &str,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
+    layout: &mut Layout,
+    actions: &mut Actions,
 ) {
     let selected = session.selected.map(What::Entry);
     let known = Id::new("selected entry");
@@ -60,7 +60,7 @@ pub(super) fn draw(
         // A branch is open at once, so that what is selected in it can be scrolled to.
         ui.style_mut().animation_time = 0.0;
         for node in &nodes {
-            node.draw(ui, Id::new(&searched), &chosen, places, actions);
+            node.draw(ui, Id::new(&searched), &chosen, layout, actions);
         }
     });
 }
@@ -131,40 +131,40 @@ impl Node {
         Some(self.what) == what || self.children.iter().any(|child| child.has(what))
     }
 
-    fn draw(&self, ui: &mut Ui, parent: Id, chosen: &Chosen, places: &mut Places, actions: &mut Vec<Action>) {
+    fn draw(&self, ui: &mut Ui, parent: Id, chosen: &Chosen, layout: &mut Layout, actions: &mut Actions) {
         if self.children.is_empty() {
-            return self.label(ui, chosen, places, actions);
+            return self.label(ui, chosen, layout, actions);
         }
         let id = parent.with((self.what, &self.name));
         let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, self.is_open);
         if chosen.is_new && self.children.iter().any(|child| child.has(chosen.selected)) {
             state.set_open(true);
         }
-        let header = state.show_header(ui, |ui| self.label(ui, chosen, places, actions));
+        let header = state.show_header(ui, |ui| self.label(ui, chosen, layout, actions));
         let (toggle, ..) = header.body(|ui| {
             for child in &self.children {
-                child.draw(ui, id, chosen, places, actions);
+                child.draw(ui, id, chosen, layout, actions);
             }
         });
-        place(ui, places, &format!("branch {}", self.name), &toggle);
+        place(ui, layout, &format!("branch {}", self.name), &toggle);
     }
 
-    fn label(&self, ui: &mut Ui, chosen: &Chosen, places: &mut Places, actions: &mut Vec<Action>) {
+    fn label(&self, ui: &mut Ui, chosen: &Chosen, layout: &mut Layout, actions: &mut Actions) {
         let is_selected = chosen.selected == Some(self.what);
         let action = match self.what {
             What::Group => {
                 ui.label(format!("{} ({})", self.name, self.children.len()));
                 return;
             }
-            What::Entry(this) => Action::Select(Some(this)),
-            What::Material(material) => Action::ChooseMaterial(material),
+            What::Entry(this) => Action::from(EditAction::Select(Some(this))),
+            What::Material(material) => ViewAction::ChooseMaterial(material).into(),
         };
         let is_chosen = is_selected || chosen.material == Some(self.what);
         let name = RichText::new(&self.name);
         let is_material = matches!(self.what, What::Material(_));
         let name = if is_material { name.italics() } else { name };
         let label = ui.add(Button::selectable(is_chosen, name).truncate());
-        place(ui, places, &format!("node {}", self.name), &label);
+        place(ui, layout, &format!("node {}", self.name), &label);
         if label.clicked() {
             actions.push(action);
         }
