@@ -95,16 +95,17 @@ impl App {
             events.create_window(attributes).map_err(|error| DemoError::Window(error.to_string()))?;
         let window = Arc::new(window);
         let gpu = Gpu::open(&window, &self.launch)?;
-        self.instance = Some(Arc::clone(gpu.instance()));
+        self.instance = Some(Arc::clone(&gpu.instance));
         let info = gpu.device.info();
         self.log.event("window", json!({ "size": [width, height], "device": info.name, "kind": info.kind }));
-        let pacing = if self.is_given("time_step") { FramePacing::Steps } else { FramePacing::RealTime };
+        let pacing =
+            if self.launch.given.has("time_step") { FramePacing::Steps } else { FramePacing::RealTime };
         let (hidden, welcome) = (self.launch.tour, self.launch.is_first_start());
         let interface = Interface { hidden, welcome, ..Interface::default() };
         let mut actions = Actions::default();
         actions.push(AppAction::Open(self.launch.scene.clone()));
         self.open = Some(OpenWindow {
-            view: View::new(Clock::new(pacing), PictureSize::new(!self.is_given("size")), interface),
+            view: View::new(Clock::new(pacing), PictureSize::new(!self.launch.given.has("size")), interface),
             comparison: None,
             tour: None,
             tour_waits: self.launch.tour,
@@ -121,14 +122,10 @@ impl App {
         Ok(())
     }
 
-    fn is_given(&self, setting: &str) -> bool {
-        self.launch.given.has(setting)
-    }
-
     /// Size of the window, pixels: by default that of the settings; one that is given is the picture's, with the panel beside.
     fn window_size(&self, events: &ActiveEventLoop) -> [u32; 2] {
         let size = Settings::from_table(self.launch.given.table()).unwrap_or_default().size;
-        if self.launch.tour || !self.is_given("size") {
+        if self.launch.tour || !self.launch.given.has("size") {
             return size;
         }
         let scale = events.primary_monitor().map_or(1.0, |monitor| monitor.scale_factor());
@@ -188,7 +185,7 @@ impl OpenWindow {
 
     /// Whether frames are being measured, so that the window is to leave the machine alone.
     pub fn is_measuring(&self) -> bool {
-        self.comparison.as_ref().is_some_and(Comparison::is_running)
+        self.comparison.as_ref().is_some_and(|comparison| comparison.bench.is_running())
     }
 
     /// Whether something else needs the machine.
@@ -201,7 +198,7 @@ impl OpenWindow {
         let View { session, split, size, .. } = &self.view;
         let is_frozen = session.as_ref().is_none_or(|session| session.renderer.is_frozen())
             && split.as_ref().is_none_or(Split::is_frozen);
-        let waits = self.actions.0.is_empty() && self.saving.is_empty() && !size.is_changing();
+        let waits = self.actions.0.is_empty() && self.saving.is_empty() && size.changed.is_none();
         let waits = waits && !(self.view.follows_rate(self.is_busy()) && size.resolution.awaits_rest());
         is_frozen && waits && self.tour.is_none() && !self.screen.context().has_requested_repaint()
     }

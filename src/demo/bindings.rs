@@ -1,18 +1,16 @@
 //! Key bindings, and the list of all keys and gestures.
 
-use winit::keyboard::{KeyCode, ModifiersState};
+use winit::keyboard::KeyCode::{
+    self, Comma, Delete, Digit0, Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9,
+    Equal, Escape, F1, F2, F3, F4, F5, F6, F11, F12, Home, KeyB, KeyC, KeyD, KeyG, KeyH, KeyI, KeyO, KeyP,
+    KeyQ, KeyR, KeyS, KeyT, KeyV, KeyX, KeyZ, Minus, Period, Slash, Space, Tab,
+};
+use winit::keyboard::ModifiersState;
 
 use super::action::{Action, AppAction, EditAction, ViewAction};
 
-/// A key binding.
-pub(super) struct Binding {
-    /// Key as shown in the list of keys.
-    pub keys: &'static str,
-    pub what: &'static str,
-    code: KeyCode,
-    with: ModifiersState,
-    action: fn() -> Action,
-}
+/// A key binding: the key as the list of keys shows it, a description, the key itself, its modifiers, the action.
+type Binding = (&'static str, &'static str, KeyCode, ModifiersState, fn() -> Action);
 
 const NONE: ModifiersState = ModifiersState::empty();
 const SHIFT: ModifiersState = ModifiersState::SHIFT;
@@ -20,78 +18,54 @@ const CONTROL: ModifiersState = ModifiersState::CONTROL;
 
 /// Keys that do one thing when pressed.
 pub(super) const BINDINGS: &[Binding] = &[
-    bind("F1", "this list", KeyCode::F1, NONE, || AppAction::ToggleHelp.into()),
-    bind("Tab", "show or hide panel and handles", KeyCode::Tab, NONE, || AppAction::TogglePanel.into()),
-    bind("Shift+Tab", "show or hide handles and labels alone", KeyCode::Tab, SHIFT, || {
-        AppAction::ToggleOverlays.into()
-    }),
-    bind("F6", "keyboard to the panel (Tab, arrows, Space, Enter), and back", KeyCode::F6, NONE, || {
+    ("F1", "this list", F1, NONE, || AppAction::ToggleHelp.into()),
+    ("Tab", "show or hide panel and handles", Tab, NONE, || AppAction::TogglePanel.into()),
+    ("Shift+Tab", "show or hide handles and labels alone", Tab, SHIFT, || AppAction::ToggleOverlays.into()),
+    ("F6", "keyboard to the panel (Tab, arrows, Space, Enter), and back", F6, NONE, || {
         AppAction::ToggleKeyboard.into()
     }),
-    bind("Space", "pause or resume the animation", KeyCode::Space, NONE, || ViewAction::TogglePause.into()),
-    bind("Home", "reset the camera", KeyCode::Home, NONE, || ViewAction::Home.into()),
-    bind("F2", "begin or end the tour", KeyCode::F2, NONE, || AppAction::ToggleTour.into()),
-    bind("F3", "measure frame rate against temporal sets", KeyCode::F3, NONE, || {
-        AppAction::ToggleCompare.into()
-    }),
-    bind("F11", "toggle full screen", KeyCode::F11, NONE, || AppAction::ToggleFullscreen.into()),
-    bind("F12", "screenshot (PNG)", KeyCode::F12, NONE, || AppAction::Screenshot { exr: false }.into()),
-    bind("Shift+F12", "screenshot (EXR, linear)", KeyCode::F12, SHIFT, || {
-        AppAction::Screenshot { exr: true }.into()
-    }),
-    bind("F4", "copy the command line that renders this picture", KeyCode::F4, NONE, || {
-        AppAction::CopyCommand.into()
-    }),
-    bind("F5", "reload the scene", KeyCode::F5, NONE, || AppAction::Reload.into()),
+    ("Space", "pause or resume the animation", Space, NONE, || ViewAction::TogglePause.into()),
+    ("Home", "reset the camera", Home, NONE, || ViewAction::Home.into()),
+    ("F2", "begin or end the tour", F2, NONE, || AppAction::ToggleTour.into()),
+    ("F3", "measure frame rate against temporal sets", F3, NONE, || AppAction::ToggleCompare.into()),
+    ("F11", "toggle full screen", F11, NONE, || AppAction::ToggleFullscreen.into()),
+    ("F12", "screenshot (PNG)", F12, NONE, || AppAction::Screenshot { exr: false }.into()),
+    ("Shift+F12", "screenshot (EXR, linear)", F12, SHIFT, || AppAction::Screenshot { exr: true }.into()),
+    ("F4", "copy the command line that renders this picture", F4, NONE, || AppAction::CopyCommand.into()),
+    ("F5", "reload the scene", F5, NONE, || AppAction::Reload.into()),
     #[cfg(feature = "shader-reload")]
-    bind("Shift+F5", "compile the shaders again", KeyCode::F5, SHIFT, || AppAction::ReloadShaders.into()),
-    bind("C", "compare with another method right of a divider", KeyCode::KeyC, NONE, || {
-        ViewAction::ToggleSplit.into()
-    }),
-    bind("G", "compare with the reference, by the path tracer", KeyCode::KeyG, NONE, || {
+    ("Shift+F5", "compile the shaders again", F5, SHIFT, || AppAction::ReloadShaders.into()),
+    ("C", "compare with another method right of a divider", KeyC, NONE, || ViewAction::ToggleSplit.into()),
+    ("G", "compare with the reference, by the path tracer", KeyG, NONE, || {
         ViewAction::ToggleReference.into()
     }),
-    bind("X", "the error of the left side (FLIP)", KeyCode::KeyX, NONE, || {
-        ViewAction::ToggleDifference.into()
+    ("X", "the error of the left side (FLIP)", KeyX, NONE, || ViewAction::ToggleDifference.into()),
+    ("B", "flip between the left and the right side", KeyB, NONE, || ViewAction::Flip.into()),
+    ("-", "darker by half a stop", Minus, NONE, || ViewAction::Expose(Some(-0.5)).into()),
+    ("=", "brighter by half a stop", Equal, NONE, || ViewAction::Expose(Some(0.5)).into()),
+    ("0", "automatic exposure", Digit0, NONE, || ViewAction::Expose(None).into()),
+    ("V", "next buffer", KeyV, NONE, || ViewAction::StepBuffer(1).into()),
+    ("Shift+V", "previous buffer", KeyV, SHIFT, || ViewAction::StepBuffer(-1).into()),
+    ("P", "show or hide VPL paths", KeyP, NONE, || ViewAction::TogglePaths.into()),
+    (".", "isolate the next VPL", Period, NONE, || ViewAction::StepVpl(1).into()),
+    (",", "isolate the previous VPL", Comma, NONE, || ViewAction::StepVpl(-1).into()),
+    ("/", "show all VPLs", Slash, NONE, || ViewAction::AllVpls.into()),
+    ("I", "inspector: material of the clicked point, and the VPLs that light it", KeyI, NONE, || {
+        ViewAction::ToggleInspector.into()
     }),
-    bind("B", "flip between the left and the right side", KeyCode::KeyB, NONE, || ViewAction::Flip.into()),
-    bind("-", "darker by half a stop", KeyCode::Minus, NONE, || ViewAction::Expose(Some(-0.5)).into()),
-    bind("=", "brighter by half a stop", KeyCode::Equal, NONE, || ViewAction::Expose(Some(0.5)).into()),
-    bind("0", "automatic exposure", KeyCode::Digit0, NONE, || ViewAction::Expose(None).into()),
-    bind("V", "next buffer", KeyCode::KeyV, NONE, || ViewAction::StepBuffer(1).into()),
-    bind("Shift+V", "previous buffer", KeyCode::KeyV, SHIFT, || ViewAction::StepBuffer(-1).into()),
-    bind("P", "show or hide VPL paths", KeyCode::KeyP, NONE, || ViewAction::TogglePaths.into()),
-    bind(".", "isolate the next VPL", KeyCode::Period, NONE, || ViewAction::StepVpl(1).into()),
-    bind(",", "isolate the previous VPL", KeyCode::Comma, NONE, || ViewAction::StepVpl(-1).into()),
-    bind("/", "show all VPLs", KeyCode::Slash, NONE, || ViewAction::AllVpls.into()),
-    bind(
-        "I",
-        "inspector: material of the clicked point, and the VPLs that light it",
-        KeyCode::KeyI,
-        NONE,
-        || ViewAction::ToggleInspector.into(),
-    ),
-    bind("T", "handles to move, rotate or scale: the next kind", KeyCode::KeyT, NONE, || {
-        EditAction::Handles(None).into()
-    }),
-    bind("Esc", "clear the selection; end the tour or a measurement", KeyCode::Escape, NONE, || {
+    ("T", "handles to move, rotate or scale: the next kind", KeyT, NONE, || EditAction::Handles(None).into()),
+    ("Esc", "clear the selection; end the tour or a measurement", Escape, NONE, || {
         EditAction::Select(None).into()
     }),
-    bind("H", "attach the selected light to the camera", KeyCode::KeyH, NONE, || {
-        EditAction::ToggleHeadlamp.into()
-    }),
-    bind("Ctrl+D", "duplicate the selected light or object", KeyCode::KeyD, CONTROL, || {
-        EditAction::Duplicate.into()
-    }),
-    bind("Del", "delete the selected light or object", KeyCode::Delete, NONE, || EditAction::Delete.into()),
-    bind("Ctrl+Z", "undo the last edit", KeyCode::KeyZ, CONTROL, || EditAction::Undo.into()),
-    bind("Ctrl+Shift+Z", "redo it", KeyCode::KeyZ, CONTROL.union(SHIFT), || EditAction::Redo.into()),
-    bind("Ctrl+O", "open a scene", KeyCode::KeyO, CONTROL, || AppAction::AskOpen.into()),
-    bind("Ctrl+S", "save the scene", KeyCode::KeyS, CONTROL, || AppAction::AskSave.into()),
-    bind("Ctrl+R", "start recording; again: stop and save", KeyCode::KeyR, CONTROL, || {
-        AppAction::ToggleRecording.into()
-    }),
-    bind("Ctrl+Q", "close", KeyCode::KeyQ, CONTROL, || AppAction::Quit.into()),
+    ("H", "attach the selected light to the camera", KeyH, NONE, || EditAction::ToggleHeadlamp.into()),
+    ("Ctrl+D", "duplicate the selected light or object", KeyD, CONTROL, || EditAction::Duplicate.into()),
+    ("Del", "delete the selected light or object", Delete, NONE, || EditAction::Delete.into()),
+    ("Ctrl+Z", "undo the last edit", KeyZ, CONTROL, || EditAction::Undo.into()),
+    ("Ctrl+Shift+Z", "redo it", KeyZ, CONTROL.union(SHIFT), || EditAction::Redo.into()),
+    ("Ctrl+O", "open a scene", KeyO, CONTROL, || AppAction::AskOpen.into()),
+    ("Ctrl+S", "save the scene", KeyS, CONTROL, || AppAction::AskSave.into()),
+    ("Ctrl+R", "start recording; again: stop and save", KeyR, CONTROL, || AppAction::ToggleRecording.into()),
+    ("Ctrl+Q", "close", KeyQ, CONTROL, || AppAction::Quit.into()),
 ];
 
 /// Held keys and mouse gestures, for the list of keys.
@@ -109,25 +83,14 @@ pub(super) const GESTURES: &[(&str, &str)] = &[
     ("1 … 9", "go to a camera bookmark"),
 ];
 
-const fn bind(
-    keys: &'static str,
-    what: &'static str,
-    code: KeyCode,
-    with: ModifiersState,
-    action: fn() -> Action,
-) -> Binding {
-    Binding { keys, what, code, with, action }
-}
-
 /// The action bound to `code` with these modifiers.
 pub(super) fn action_of(code: KeyCode, modifiers: ModifiersState) -> Option<Action> {
     let with = modifiers & (SHIFT | CONTROL | ModifiersState::ALT);
-    let bound = BINDINGS.iter().find(|binding| binding.code == code && binding.with == with);
-    bound.map(|binding| (binding.action)()).or_else(|| bookmark_of(code, with))
+    let bound = BINDINGS.iter().find(|(_, _, key, modifiers, _)| (*key, *modifiers) == (code, with));
+    bound.map(|(.., action)| action()).or_else(|| bookmark_of(code, with))
 }
 
 fn bookmark_of(code: KeyCode, with: ModifiersState) -> Option<Action> {
-    use KeyCode::{Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9};
     let digits = [Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8, Digit9];
     let number = digits.iter().position(|digit| *digit == code)?;
     match with {

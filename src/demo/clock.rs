@@ -16,10 +16,10 @@ const ADAPTATION: f64 = 0.15;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FramePacing {
-    /// With real time.
+    /// It follows real time.
     #[default]
     RealTime,
-    /// By the setting `time_step` per frame.
+    /// Each frame adds the setting `time_step`.
     Steps,
 }
 
@@ -29,18 +29,14 @@ pub(super) struct Clock {
     pub time: f64,
     pub paused: bool,
     pub pacing: FramePacing,
-    last_frame: Instant,
+    /// When the last frame started.
+    pub last_frame: Instant,
     interval: Duration,
 }
 
 impl Clock {
     pub fn new(pacing: FramePacing) -> Self {
         Self { time: 0.0, paused: false, pacing, last_frame: Instant::now(), interval: Duration::ZERO }
-    }
-
-    /// When the last frame started.
-    pub fn last_frame(&self) -> Instant {
-        self.last_frame
     }
 
     /// Starts a frame in which nothing goes on.

@@ -11,9 +11,10 @@ use super::view::View;
 /// which comes second.
 pub(super) fn command(view: &View) -> Option<(String, Option<PathBuf>)> {
     let session = view.session.as_ref()?;
-    let saved = session.saved.as_ref().filter(|saved| saved.is_current(session));
+    let saved =
+        session.saved.as_ref().filter(|saved| !session.is_edited() && saved.camera == session.pose.camera);
     let scene = saved.map_or(session.name.clone(), |saved| saved.path.to_string_lossy().into_owned());
-    let differs = saved.is_none() && (session.is_edited() || view.flight.has_moved());
+    let differs = saved.is_none() && (session.is_edited() || view.flight.moved.is_some());
     if session.headlamp.is_none() && !differs {
         return Some((command_line(session, &scene, &view.clock), None));
     }

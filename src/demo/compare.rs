@@ -66,10 +66,6 @@ impl Comparison {
         Self { document, bench, report: None, rows: Vec::new() }
     }
 
-    pub fn is_running(&self) -> bool {
-        self.bench.is_running()
-    }
-
     /// Takes in the runs measured meanwhile; an error ends the comparison.
     pub fn follow(&mut self) -> Result<(), BenchError> {
         if let Some(report) = self.bench.follow()? {

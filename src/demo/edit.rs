@@ -9,7 +9,7 @@ use super::error::DemoError;
 use super::selection::{Entry, label};
 use super::session::{Change, Session};
 use super::transform::{carry, moved_instance, moved_light};
-use super::undo::{Press, State, Undo};
+use super::undo::Press;
 use super::view::View;
 use crate::formats::{EnvironmentEntry, InstanceEntry, LightEntry, ModelSource, ScaleEntry, SceneError};
 use crate::scene::LightType;
@@ -30,41 +30,44 @@ impl View {
     /// Nothing has changed, or the device is lost.
     pub fn edit(&mut self, action: EditAction, press: Press) -> Result<Change, DemoError> {
         match action {
-            EditAction::Set(settings) => return self.set(&settings, Some(press)).map(|()| Change::Live),
-            EditAction::Undo => return self.take_step(Undo::back),
-            EditAction::Redo => return self.take_step(Undo::forward),
-            EditAction::Handles(mode) => self.handles = mode.unwrap_or(self.handles.next()),
+            EditAction::Set(settings) => self.set(&settings, Some(press)).map(|()| Change::Live),
+            EditAction::Undo => self.take_step(true),
+            EditAction::Redo => self.take_step(false),
+            EditAction::Handles(mode) => {
+                self.handles = mode.unwrap_or(self.handles.next());
+                Ok(Change::Live)
+            }
             EditAction::Select(selected) => {
                 if let Some(session) = &mut self.session {
                     session.selected = selected;
                 }
                 self.inspector.choose(None);
+                Ok(Change::Live)
             }
             EditAction::EditLight(index, entry) => {
-                return self.step(press, |session| session.set_light(index, *entry));
+                self.step(press, |session| session.set_light(index, *entry))
             }
             EditAction::EditInstance(index, entry) => {
-                return self.step(press, |session| session.set_instance(index, *entry));
+                self.step(press, |session| session.set_instance(index, *entry))
             }
             EditAction::EditMaterial(edit) => {
-                return self.step(press, |session| session.edit(|document| document.set_material(*edit)));
+                self.step(press, |session| session.edit(|document| document.set_material(*edit)))
             }
             EditAction::EditEnvironment(entry) => {
-                return self.step(press, |session| session.set_environment(entry.map(|entry| *entry)));
+                self.step(press, |session| session.set_environment(entry.map(|entry| *entry)))
             }
             EditAction::OpenMap(path) => {
                 self.interface.error = None;
-                return self.step(press, |session| session.set_map(path));
+                self.step(press, |session| session.set_map(path))
             }
             EditAction::AddLight(kind) => {
-                return self.step(press, |session| session.add_light(new_light(session, kind)));
+                self.step(press, |session| session.add_light(new_light(session, kind)))
             }
-            EditAction::AddObject(object) => return self.step(press, |session| session.add_object(object)),
-            EditAction::Duplicate => return self.step(press, Session::duplicate),
-            EditAction::Delete => return self.step(press, Session::delete),
-            EditAction::ToggleHeadlamp => return self.step(press, Session::toggle_headlamp),
+            EditAction::AddObject(object) => self.step(press, |session| session.add_object(object)),
+            EditAction::Duplicate => self.step(press, Session::duplicate),
+            EditAction::Delete => self.step(press, Session::delete),
+            EditAction::ToggleHeadlamp => self.step(press, Session::toggle_headlamp),
         }
-        Ok(Change::Live)
     }
 
     fn step(
@@ -77,10 +80,10 @@ impl View {
     }
 
     /// Goes to the state before or after the current one; the window keeps its size.
-    fn take_step(&mut self, to: fn(&mut Undo, State) -> Option<State>) -> Result<Change, DemoError> {
+    fn take_step(&mut self, is_back: bool) -> Result<Change, DemoError> {
         let Some(session) = &mut self.session else { return Ok(Change::Live) };
         let now = session.state();
-        let Some(state) = to(&mut session.undo, now) else { return Ok(Change::Live) };
+        let Some(state) = session.undo.step(is_back, now) else { return Ok(Change::Live) };
         let settings = Settings { size: session.settings.size, ..state.settings.clone() };
         let change = session.go_to(&state);
         if settings != session.settings {

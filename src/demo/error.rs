@@ -31,7 +31,7 @@ pub enum DemoError {
     Settings {
         /// The scene.
         scene: String,
-        /// What is wrong.
+        /// The invalid setting.
         error: SettingsError,
     },
     /// The log cannot be written.
@@ -40,7 +40,7 @@ pub enum DemoError {
     /// The thread that loads scenes has failed.
     #[error("loading: {0}")]
     Loading(String),
-    /// The device was lost for good; unsaved edits were kept.
+    /// The device was lost for good; unsaved edits are in a file.
     #[error("{error}; the scene with its unsaved edits is in {}", file.display())]
     Lost {
         /// Why there is no device.

@@ -76,7 +76,7 @@ impl ApplicationHandler for App {
         };
         let is_key = |code: KeyCode| key == Some(PhysicalKey::Code(code));
         let ours = key.is_some() && (!typing || is_key(KeyCode::F6)) && !is_key(KeyCode::Escape);
-        let consumed = !ours && screen.handle(&event);
+        let consumed = !ours && screen.egui.on_window_event(&screen.window, &event).consumed;
         let pointer_taken = screen.takes_pointer(screen.points(input.pointer), &view.interface);
         match event {
             WindowEvent::CloseRequested if screen.is_hidden && !is_edited => events.exit(),
@@ -106,12 +106,12 @@ impl ApplicationHandler for App {
             }
             WindowEvent::MouseInput { state: ElementState::Released, button, .. } => {
                 input.press.turn(false);
-                input.release(button, screen);
+                input.button_up(button, screen);
             }
             WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } => {
                 input.press.turn(true);
                 if !pointer_taken {
-                    input.press(button, view, screen, actions);
+                    input.button_down(button, view, screen, actions);
                 }
             }
             WindowEvent::MouseWheel { delta, .. } if !pointer_taken && !consumed => {
@@ -141,7 +141,7 @@ impl ApplicationHandler for App {
             events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + MEASURING_POLL));
             open.screen.window.request_redraw();
         } else if open.is_calm() && !std::mem::take(&mut open.input.woken) {
-            let next = open.view.clock.last_frame() + CALM;
+            let next = open.view.clock.last_frame + CALM;
             events.set_control_flow(ControlFlow::WaitUntil(next));
             if Instant::now() >= next {
                 open.screen.window.request_redraw();

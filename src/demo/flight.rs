@@ -20,8 +20,8 @@ const FASTEST_WALK: f32 = 0.2;
 
 /// State of the camera controller.
 pub(super) struct Flight {
-    /// None: the scene's own camera, which may be animated.
-    moved: Option<Camera>,
+    /// Where the user moved the camera; none: the scene's own camera, which may be animated.
+    pub moved: Option<Camera>,
     bookmarks: [Option<Camera>; 9],
     /// Speed, scene units per second.
     pub speed: f32,
@@ -49,26 +49,6 @@ impl Flight {
     /// The camera to draw with, given the scene's own.
     pub fn camera(&self, own: &Camera) -> Camera {
         self.moved.unwrap_or(*own)
-    }
-
-    /// Whether the user moved the camera.
-    pub fn has_moved(&self) -> bool {
-        self.moved.is_some()
-    }
-
-    /// Where the user moved the camera.
-    pub fn moved(&self) -> Option<Camera> {
-        self.moved
-    }
-
-    /// Resets to the scene's camera.
-    pub fn home(&mut self) {
-        self.moved = None;
-    }
-
-    /// Sets the camera.
-    pub fn go_to(&mut self, camera: Camera) {
-        self.moved = Some(camera);
     }
 
     /// Stores `camera` as a bookmark.
@@ -230,7 +210,7 @@ mod tests {
         flight.release();
         flight.advance(&own, 0.5);
         assert!((flight.camera(&own).eye.z - 3.0).abs() < 1e-5);
-        flight.home();
+        flight.moved = None;
         assert_eq!(flight.camera(&own), own);
     }
 }

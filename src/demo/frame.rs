@@ -9,7 +9,7 @@ use super::app::{App, OpenWindow};
 use super::compare::Row;
 use super::error::DemoError;
 use super::flight::Flight;
-use super::history::Sample;
+use super::history::{History, Sample};
 use super::launch::Launch;
 use super::loader::Built;
 use super::panel::Shown;
@@ -131,13 +131,13 @@ impl App {
 impl OpenWindow {
     /// Takes in the runs measured meanwhile; returns the rows of a comparison that is done, once.
     fn follow_comparison(&mut self) -> Option<Vec<Row>> {
-        let comparison = self.comparison.as_mut().filter(|comparison| comparison.is_running())?;
+        let comparison = self.comparison.as_mut().filter(|comparison| comparison.bench.is_running())?;
         if let Err(error) = comparison.follow() {
             self.view.interface.error = Some(error.to_string());
             self.comparison = None;
             return None;
         }
-        (!comparison.is_running()).then(|| comparison.rows.clone())
+        (!comparison.bench.is_running()).then(|| comparison.rows.clone())
     }
 
     /// Resizes the presenter at once, and the picture some time after the last change.
@@ -166,36 +166,33 @@ impl OpenWindow {
             Some(session) if built.same && session.name == built.name => {
                 let view = session.renderer.view().clone();
                 let requested = session.settings.clone();
-                let reuses_renderer = built.renderer.is_none();
+                let is_rebuilt = built.renderer.is_some();
                 let change = match session.renew(built) {
                     Ok(change) => change,
                     Err(error) => return self.refuse(error),
                 };
-                if reuses_renderer {
-                    if let Recording::On(recorder) = &mut self.view.recording {
-                        recorder.edited(session);
+                match &mut self.view.recording {
+                    Recording::On(recorder) => recorder.note_change(session, is_rebuilt),
+                    waiting @ Recording::Waiting if is_rebuilt => {
+                        *waiting = Recording::On(Box::new(Recorder::new(session)));
                     }
-                    // Later edits may need another one.
-                    self.take(change);
+                    Recording::Waiting | Recording::Off => {}
+                }
+                if is_rebuilt {
+                    session.renderer.set_view(&view)?;
+                    // The new renderer counts its frames anew.
+                    if let Some(split) = &mut self.view.split {
+                        split.metrics.forget();
+                    }
+                    if session.settings != requested {
+                        self.actions.push(EditAction::Set(Box::new(requested)));
+                    }
+                }
+                // Edits made meanwhile may need another build.
+                self.take(change);
+                if !is_rebuilt {
                     return Ok(());
                 }
-                session.renderer.set_view(&view)?;
-                // The new renderer counts its frames anew.
-                if let Some(split) = &mut self.view.split {
-                    split.metrics.forget();
-                }
-                match &mut self.view.recording {
-                    Recording::On(recorder) => recorder.renewed(session),
-                    Recording::Waiting => {
-                        self.view.recording = Recording::On(Box::new(Recorder::new(session)))
-                    }
-                    Recording::Off => {}
-                }
-                if session.settings != requested {
-                    self.actions.push(EditAction::Set(Box::new(requested)));
-                }
-                // Edits made meanwhile may need another rebuild.
-                self.take(change);
             }
             _ => {
                 // An edit of a scene that is no longer shown.
@@ -216,14 +213,14 @@ impl OpenWindow {
                 (self.view.split, self.view.reading) = (None, None);
                 self.view.interface.hidden &= self.tour.take().is_none();
                 self.view.session = Some(session);
-                self.view.inspector.forget();
+                self.view.inspector.choose(None);
                 // A recording covers one scene.
                 if !matches!(self.view.recording, Recording::Off) {
                     self.actions.push(AppAction::ToggleRecording);
                 }
             }
         }
-        self.history.clear();
+        self.history = History::default();
         self.view.size.resolution.forget();
         // The window may have been resized meanwhile.
         self.view.size.change();

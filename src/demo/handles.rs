@@ -107,11 +107,8 @@ pub(super) fn paint(ui: &Ui, session: &Session, viewport: Rect, mode: HandleMode
             (HandleMode::Move, &[from, to]) => painter.arrow(from, to - from, Stroke::new(2.5, colour)),
             (HandleMode::Scale, &[from, to]) => {
                 painter.line_segment([from, to], Stroke::new(2.0, Color32::LIGHT_GRAY));
-                painter.rect_filled(
-                    Rect::from_center_size(to, egui::Vec2::splat(9.0)),
-                    0.0,
-                    Color32::LIGHT_GRAY,
-                );
+                let end = Rect::from_center_size(to, egui::Vec2::splat(9.0));
+                painter.rect_filled(end, 0.0, Color32::LIGHT_GRAY);
             }
             _ => {
                 painter.line(points, Stroke::new(2.0, colour));
@@ -236,45 +233,30 @@ impl HandleDrag {
     /// The entry dragged to this ray.
     pub fn dragged(&self, ray: &Ray) -> Option<Entry> {
         let way = self.place(ray)? - self.start;
+        let mut dragged = self.original.clone();
         if way.abs() < f32::EPSILON {
             // A click is no edit.
-            return Some(self.original.clone());
+            return Some(dragged);
         }
+        let (offset, turn) = (self.axis * way, Quat::from_axis_angle(self.axis, way));
         // A handle's length outwards doubles the size, one inwards halves it.
         let factor = (way / self.reach).clamp(-8.0, 8.0).exp2();
-        let turn = Quat::from_axis_angle(self.axis, way);
-        let mut keyed = self.original.clone();
-        let keys = keyed.animation().as_mut().map(|animation| &mut animation.keyframes);
-        if let Some(key) =
-            self.key.and_then(|index| keys?.get_mut(index)).filter(|_| self.mode != HandleMode::Scale)
-        {
-            *key = if self.mode == HandleMode::Move {
-                moved_key(key, self.axis * way)
-            } else {
-                rotated_key(key, turn)
-            };
-            return Some(keyed);
+        let keys = dragged.animation().as_mut().map(|animation| &mut animation.keyframes);
+        let key = self.key.and_then(|index| keys?.get_mut(index));
+        if let Some(key) = key.filter(|_| self.mode != HandleMode::Scale) {
+            *key =
+                if self.mode == HandleMode::Move { moved_key(key, offset) } else { rotated_key(key, turn) };
+            return Some(dragged);
         }
-        Some(match (&self.original, self.mode) {
-            (Entry::Instance(index, entry), HandleMode::Move) => {
-                Entry::Instance(*index, moved_instance(entry, self.axis * way))
-            }
-            (Entry::Instance(index, entry), HandleMode::Rotate) => {
-                Entry::Instance(*index, rotated_instance(entry, turn))
-            }
-            (Entry::Light(index, entry), HandleMode::Move) => {
-                Entry::Light(*index, moved_light(entry, self.axis * way))
-            }
-            (Entry::Light(index, entry), HandleMode::Rotate) => {
-                Entry::Light(*index, rotated_light(entry, turn))
-            }
-            (Entry::Instance(index, entry), HandleMode::Scale) => {
-                Entry::Instance(*index, scaled_instance(entry, factor))
-            }
-            (Entry::Light(index, entry), HandleMode::Scale) => {
-                Entry::Light(*index, scaled_light(entry, factor))
-            }
-        })
+        match (&mut dragged, self.mode) {
+            (Entry::Instance(_, entry), HandleMode::Move) => *entry = moved_instance(entry, offset),
+            (Entry::Instance(_, entry), HandleMode::Rotate) => *entry = rotated_instance(entry, turn),
+            (Entry::Instance(_, entry), HandleMode::Scale) => *entry = scaled_instance(entry, factor),
+            (Entry::Light(_, entry), HandleMode::Move) => *entry = moved_light(entry, offset),
+            (Entry::Light(_, entry), HandleMode::Rotate) => *entry = rotated_light(entry, turn),
+            (Entry::Light(_, entry), HandleMode::Scale) => *entry = scaled_light(entry, factor),
+        }
+        Some(dragged)
     }
 }
 

@@ -75,7 +75,13 @@ impl Input {
     }
 
     /// Handles a press of a mouse button on the picture.
-    pub fn press(&mut self, button: MouseButton, view: &mut View, screen: &Screen, actions: &mut Actions) {
+    pub fn button_down(
+        &mut self,
+        button: MouseButton,
+        view: &mut View,
+        screen: &Screen,
+        actions: &mut Actions,
+    ) {
         view.interface.has_keyboard = false;
         let at = self.in_picture(view, screen);
         let Some(session) = &view.session else { return };
@@ -89,7 +95,7 @@ impl Input {
                     self.drag.get_or_insert((button, Drag::Orbit(picked.surface.position)));
                 }
             }
-            MouseButton::Left if view.inspector.is_on() => view.inspector.look(session, at),
+            MouseButton::Left if view.inspector.is_on => view.inspector.look(session, at),
             // A handle under the pointer is dragged, or else the object there selected.
             MouseButton::Left if !view.interface.hidden => {
                 let (area, point) = (screen.picture_area(&view.interface), screen.points(self.pointer));
@@ -106,7 +112,7 @@ impl Input {
     }
 
     /// Handles the release of a mouse button.
-    pub fn release(&mut self, button: MouseButton, screen: &Screen) {
+    pub fn button_up(&mut self, button: MouseButton, screen: &Screen) {
         if self.drag.take_if(|(held, _)| *held == button).is_some() {
             screen.window.set_cursor_visible(true);
         }

@@ -69,12 +69,11 @@ impl Interface {
             preparation.has_begun = preparation.frames >= Preparation::ANNOUNCED;
             return !preparation.has_begun;
         }
-        let subject = session.and_then(|session| shaders_of(action, session, split));
-        let waits = subject.is_some();
-        if let Some(subject) = subject {
-            self.preparation = Some(Preparation { subject, frames: 0, has_begun: false });
-        }
-        waits
+        let Some(subject) = session.and_then(|session| shaders_of(action, session, split)) else {
+            return false;
+        };
+        self.preparation = Some(Preparation { subject, frames: 0, has_begun: false });
+        true
     }
 }
 
@@ -87,10 +86,11 @@ fn shaders_of(action: &Action, session: &Session, split: Option<&Split>) -> Opti
         {
             Some("the right side".to_owned())
         }
-        Action::Edit(EditAction::Set(wanted)) => {
+        Action::Edit(EditAction::Set(requested)) => {
             let mut methods = METHODS.into_iter().filter_map(settings::find);
-            let other = methods.find(|setting| setting.value(wanted) != setting.value(&session.settings))?;
-            let method = other.value(wanted);
+            let other =
+                methods.find(|setting| setting.value(requested) != setting.value(&session.settings))?;
+            let method = other.value(requested);
             Some(format!("{} {}", other.key, method.as_str().unwrap_or_default()))
         }
         _ => None,

@@ -45,10 +45,10 @@ impl App {
         (open.view.split, open.comparison) = (None, None);
         open.screen.panel.forget_textures();
         let session = open.view.session.take();
-        let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
+        let requested = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
         let mode = open.gpu.presenter.mode();
         open.gpu.presenter.close();
-        open.gpu = Gpu::open_on(open.gpu.instance(), &open.screen.window, wanted.as_deref(), mode)?;
+        open.gpu = Gpu::open_on(&open.gpu.instance, &open.screen.window, requested.as_deref(), mode)?;
         let info = open.gpu.device.info();
         self.log.event("device", json!({ "name": info.name, "index": info.index }));
         if let Some(session) = session {

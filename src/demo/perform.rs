@@ -40,7 +40,7 @@ impl App {
         let performed = match action {
             Action::App(action) => return self.perform_app(action),
             Action::View(action) => open.view.perform(action, press, &open.gpu.device),
-            Action::Edit(EditAction::Select(None)) if open.has_something_to_end() => open.end_something(),
+            Action::Edit(EditAction::Select(None)) if open.end_something()? => Ok(()),
             Action::Edit(action) => open.view.edit(action, press).map(|change| open.take(change)),
         };
         match performed {
@@ -121,7 +121,7 @@ impl App {
                     open.actions.extend(scene.map(AppAction::Save));
                     log.event("command", &command);
                     open.view.interface.message = format!("copied: {command}");
-                    open.screen.copy_to_clipboard(command);
+                    open.screen.egui.set_clipboard_text(command);
                 }
             }
             AppAction::KeepScene => interface.pending = None,
@@ -132,29 +132,22 @@ impl App {
 }
 
 impl OpenWindow {
-    /// Whether Escape ends something, in place of the selection.
-    fn has_something_to_end(&self) -> bool {
-        self.tour.is_some() || self.is_measuring() || self.view.interface.error.is_some()
-    }
-
-    /// Ends the tour, or else a measurement, or else dismisses the error.
-    fn end_something(&mut self) -> Result<(), DemoError> {
+    /// Ends the tour, or else a measurement, or else dismisses the error; false where there is none, so that Escape selects nothing.
+    fn end_something(&mut self) -> Result<bool, DemoError> {
         if self.tour.is_some() {
-            return self.end_tour();
-        }
-        if self.is_measuring() {
+            self.end_tour()?;
+        } else if self.is_measuring() {
             self.comparison = None;
         } else {
-            self.view.interface.error = None;
+            return Ok(self.view.interface.error.take().is_some());
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Rebuilds the renderer if an edit needs it.
     pub(super) fn take(&mut self, change: Change) {
-        match change {
-            Change::Live => {}
-            Change::Rebuild => self.rebuild(),
+        if change == Change::Rebuild {
+            self.rebuild();
         }
     }
 
@@ -180,7 +173,7 @@ impl OpenWindow {
     /// Saves the current scene with the current camera.
     fn save(&mut self, path: PathBuf) {
         let Some(session) = &self.view.session else { return };
-        let camera = self.view.flight.has_moved().then_some(&session.pose.camera);
+        let camera = self.view.flight.moved.map(|_| &session.pose.camera);
         let text = session.document_to_save(camera).text_to_save(&path);
         let saved = Saved { path: path.clone(), camera: session.pose.camera };
         let scene = SavedScene { name: session.name.clone(), edits: session.edits, saved };
@@ -211,7 +204,7 @@ impl OpenWindow {
     fn compare(&mut self, requested: RequestedSettings, launch: &Launch) {
         self.comparison = None;
         let Some(session) = &self.view.session else { return };
-        let camera = self.view.flight.has_moved().then_some(&session.pose.camera);
+        let camera = self.view.flight.moved.map(|_| &session.pose.camera);
         let document = session.document_to_save(camera);
         let (device, assets) = (&self.gpu.device, launch.assets.clone());
         self.comparison = Some(Comparison::start(device, session, document, assets, requested));
@@ -226,7 +219,7 @@ impl OpenWindow {
         let before = Before {
             settings: session.settings.clone(),
             view: session.renderer.view().clone(),
-            camera: self.view.flight.moved(),
+            camera: self.view.flight.moved,
             paused: self.view.clock.paused,
             automatic: self.view.size.resolution.automatic,
             undo: std::mem::take(&mut session.undo),
@@ -248,10 +241,7 @@ impl OpenWindow {
         view.interface.hidden = false;
         (view.clock.paused, view.size.resolution.automatic) = (before.paused, before.automatic);
         (view.split, self.comparison) = (None, None);
-        match before.camera {
-            Some(camera) => view.flight.go_to(camera),
-            None => view.flight.home(),
-        }
+        view.flight.moved = before.camera;
         view.show(&before.view)?;
         view.set(&settings, None)
     }
@@ -274,7 +264,7 @@ impl OpenWindow {
             return Ok(None);
         };
         let caption = frame.begins.then(|| tour.caption());
-        self.view.flight.go_to(frame.camera);
+        self.view.flight.moved = Some(frame.camera);
         let Actions(actions) = frame.actions;
         self.actions.extend(actions);
         Ok(caption)

@@ -22,7 +22,7 @@ pub(super) struct PictureSize {
     /// The viewport of the last frame.
     viewport: Viewport,
     /// Time of the last change of the viewport or the resolution, until the picture follows.
-    changed: Option<Instant>,
+    pub changed: Option<Instant>,
     rest: Option<RestState>,
 }
 
@@ -51,11 +51,6 @@ impl PictureSize {
     /// Notes that the picture may need another size.
     pub fn change(&mut self) {
         self.changed = Some(Instant::now());
-    }
-
-    /// Whether the picture is to follow a change.
-    pub fn is_changing(&self) -> bool {
-        self.changed.is_some()
     }
 
     /// Notes the viewport of this frame.

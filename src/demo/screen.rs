@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use egui::{ClippedPrimitive, Order, Pos2};
-use winit::event::WindowEvent;
 use winit::window::Window;
 
 use super::action::Actions;
@@ -14,12 +13,13 @@ use crate::vulkan::Viewport;
 /// The window and its interface.
 pub(super) struct Screen {
     pub window: Arc<Window>,
-    egui: egui_winit::State,
+    pub egui: egui_winit::State,
     pub panel: PanelState,
     /// Textures of the interface that were not uploaded yet.
     pub textures: egui::TexturesDelta,
-    /// Rectangles of widgets as last logged.
     layout: Layout,
+    /// Whether the layout differs from the one last logged.
+    has_moved: bool,
     title: String,
     /// Whether nothing of the window is on screen.
     pub is_hidden: bool,
@@ -34,6 +34,7 @@ impl Screen {
             panel: PanelState::default(),
             textures: egui::TexturesDelta::default(),
             layout: Layout::default(),
+            has_moved: false,
             title: String::new(),
             is_hidden: false,
         }
@@ -50,15 +51,6 @@ impl Screen {
 
     pub fn context(&self) -> &egui::Context {
         self.egui.egui_ctx()
-    }
-
-    /// Hands an event to the interface; whether it has consumed it.
-    pub fn handle(&mut self, event: &WindowEvent) -> bool {
-        self.egui.on_window_event(&self.window, event).consumed
-    }
-
-    pub fn copy_to_clipboard(&mut self, text: String) {
-        self.egui.set_clipboard_text(text);
     }
 
     /// The part of the window that panel and bar leave to the picture, points.
@@ -122,21 +114,23 @@ impl Screen {
     pub fn run_panel(&mut self, shown: &Shown<'_>) -> (Actions, Vec<ClippedPrimitive>, f32) {
         let input = self.egui.take_egui_input(&self.window);
         let context = self.context().clone();
-        let mut actions = Actions::default();
+        let (mut actions, mut layout) = (Actions::default(), Layout::default());
         let output = context.run_ui(input, |ui| {
-            actions.extend(panel::draw(ui, &mut self.panel, shown).0);
+            let drawn = panel::draw(ui, &mut self.panel, shown);
+            actions.extend(drawn.actions.0);
+            layout = drawn.layout;
         });
+        self.has_moved |= self.layout != layout;
+        self.layout = layout;
         self.egui.handle_platform_output(&self.window, output.platform_output);
         self.textures.append(output.textures_delta);
         let scale = output.pixels_per_point;
         (actions, context.tessellate(output.shapes, scale), scale)
     }
 
-    /// The rectangles of the widgets, if they differ from the last ones.
+    /// The rectangles of the widgets, once where they differ from the last ones.
     pub fn take_layout(&mut self) -> Option<&Layout> {
-        let differs = self.layout != self.panel.layout;
-        self.layout.clone_from(&self.panel.layout);
-        differs.then_some(&self.layout)
+        std::mem::take(&mut self.has_moved).then_some(&self.layout)
     }
 
     /// Sets the window's title.

@@ -1,4 +1,4 @@
-//! Selectable entries of the document: their names, their places, and which one is at a position of the picture.
+//! Selectable entries of the document: their names, their positions, and which one is at a position of the picture.
 
 use glam::{Vec2, Vec3};
 
@@ -59,27 +59,23 @@ impl Session {
 
     /// Current position of an entry, world space.
     pub fn place_of(&self, selected: Selected) -> Option<Vec3> {
-        match selected {
-            Selected::Instance(index) => {
-                self.pose.instances.get(index).map(|transform| transform.translation.into())
+        let place = |instance: usize| Some(self.pose.instances.get(instance)?.translation.into());
+        let index = match selected {
+            Selected::Instance(index) => return place(index),
+            Selected::Light(index) => index,
+        };
+        if let Some(instance) = self.document.light_instance(index) {
+            return place(instance);
+        }
+        let light = self.pose.lights.get(self.document.scene_light(index)?)?;
+        match light.kind {
+            LightKind::Point { .. } | LightKind::Spot { .. } => Some(light.position),
+            // It has no position; place its handles at the scene's centre.
+            LightKind::Directional { .. } => {
+                let (low, high) = self.renderer.bounds();
+                Some(0.5 * (low + high))
             }
-            Selected::Light(index) => {
-                if let Some(instance) = self.document.light_instance(index) {
-                    return self.pose.instances.get(instance).map(|transform| transform.translation.into());
-                }
-                let light = self.pose.lights.get(self.document.scene_light(index)?)?;
-                match light.kind {
-                    LightKind::Point { .. } | LightKind::Spot { .. } => Some(light.position),
-                    // It has no position; place its handles at the scene's centre.
-                    LightKind::Directional { .. } => {
-                        let (low, high) = self.renderer.bounds();
-                        Some(0.5 * (low + high))
-                    }
-                    LightKind::Area { instance, .. } => {
-                        self.pose.instances.get(instance).map(|transform| transform.translation.into())
-                    }
-                }
-            }
+            LightKind::Area { instance, .. } => place(instance),
         }
     }
 

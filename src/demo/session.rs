@@ -57,13 +57,6 @@ pub(super) struct Saved {
     pub camera: Camera,
 }
 
-impl Saved {
-    /// Whether there were neither edits since then nor another camera.
-    pub fn is_current(&self, session: &Session) -> bool {
-        !session.is_edited() && self.camera == session.pose.camera
-    }
-}
-
 /// State of a session that outlives its device, besides the document and the settings.
 pub(super) struct SessionState {
     pub view: DebugView,
@@ -78,7 +71,7 @@ pub(super) struct SessionState {
 /// How an edit takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
-    /// Without a rebuild.
+    /// The renderer goes on.
     Live,
     /// The renderer must be rebuilt.
     Rebuild,
@@ -150,7 +143,7 @@ impl Session {
         }
     }
 
-    /// Makes a change that can be taken back. The state before it is kept once for all changes of a press, so that a drag clones and
+    /// Makes a change that can be taken back. The state before it is stored once for all changes of a press, so that a drag clones and
     /// compares the document in its first frame alone; a change of the window's size is no step.
     pub fn step<T, E>(
         &mut self,
@@ -237,10 +230,15 @@ impl Session {
 
     /// Poses the world at animation time `time`, seen by `camera`.
     pub fn go_to_time(&mut self, time: f64, camera: Camera) {
-        self.pose = self.pose_at(time, camera);
+        self.pose = Pose { camera, ..self.live_scene.pose(time) };
+        let headlamp = self.headlamp.and_then(|index| self.document.scene_light(index));
+        if let Some(light) = headlamp.and_then(|index| self.pose.lights.get_mut(index)) {
+            light.position = camera.eye;
+            light.direction = camera.forward();
+        }
     }
 
-    /// Renders the next frame; `pace`: of automatic exposure.
+    /// Renders the next frame; `pace` is that of automatic exposure.
     pub fn render(&mut self, pace: f32) -> Result<(), RenderError> {
         self.renderer.set_exposure_pace(pace);
         self.renderer.render(&self.pose)?;
@@ -253,16 +251,6 @@ impl Session {
     /// The picture of the last frame.
     pub fn shot(&self) -> Result<Shot, RenderError> {
         Ok(Shot { size: self.settings.size, pixels: self.renderer.read_display()? })
-    }
-
-    fn pose_at(&self, time: f64, camera: Camera) -> Pose {
-        let mut pose = Pose { camera, ..self.live_scene.pose(time) };
-        let headlamp = self.headlamp.and_then(|index| self.document.scene_light(index));
-        if let Some(light) = headlamp.and_then(|index| pose.lights.get_mut(index)) {
-            light.position = camera.eye;
-            light.direction = camera.forward();
-        }
-        pose
     }
 
     /// Replaces an entry of the document; where that cannot be, nothing changes.

@@ -170,7 +170,7 @@ impl Split {
     pub fn right_of_cpu(&self) -> Option<&Arc<Shot>> {
         match &self.right {
             Right::Renderer(_) => None,
-            Right::Reference(reference) => reference.progress().map(|progress| &progress.shot),
+            Right::Reference(reference) => reference.progress.as_ref().map(|progress| &progress.shot),
             Right::Picture(picture) => Some(&picture.shot),
         }
     }
@@ -178,7 +178,7 @@ impl Split {
     /// A comparison for the log, once.
     pub fn take_log(&mut self) -> Option<Logged> {
         let samples = match &self.right {
-            Right::Reference(reference) => reference.progress().map(|progress| progress.samples),
+            Right::Reference(reference) => reference.progress.as_ref().map(|progress| progress.samples),
             Right::Renderer(_) | Right::Picture(_) => None,
         };
         self.metrics.take_log(samples)

@@ -158,7 +158,7 @@ pub(super) struct Before {
     pub paused: bool,
     /// Whether the resolution followed the rate.
     pub automatic: bool,
-    /// Without the steps of the tour.
+    /// The steps of undo before the tour.
     pub undo: Undo,
 }
 
@@ -191,14 +191,14 @@ impl Tour {
         };
         let left = rate(&session.report);
         let below = match (
-            comparison.filter(|comparison| comparison.is_running()),
+            comparison.filter(|comparison| comparison.bench.is_running()),
             split.map(|split| &split.right),
         ) {
             (Some(comparison), _) => {
                 format!("waits: {:.0} % measured", 100.0 * comparison.bench.progress().0)
             }
             (_, Some(Right::Renderer(other))) => format!("left {left}, right {}", rate(&other.report)),
-            (_, Some(Right::Reference(reference))) => match reference.progress() {
+            (_, Some(Right::Reference(reference))) => match &reference.progress {
                 Some(progress) => format!("{} samples a pixel", progress.samples),
                 None => "waits for the first sample of each pixel".to_owned(),
             },

@@ -5,7 +5,7 @@ use crate::formats::SceneDocument;
 use crate::settings::Settings;
 
 /// Steps to keep.
-const KEPT: usize = 200;
+const LENGTH: usize = 200;
 
 /// The state that an edit changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,23 +64,18 @@ impl Undo {
     pub fn remember(&mut self, before: Option<State>, press: Press) {
         self.press = press.current();
         self.future.clear();
-        if self.past.len() == KEPT && before.is_some() {
+        if self.past.len() == LENGTH && before.is_some() {
             self.past.remove(0);
         }
         self.past.extend(before);
     }
 
-    /// Steps back from `now`: the state before it.
-    pub fn back(&mut self, now: State) -> Option<State> {
-        Self::step(&mut self.past, &mut self.future, now)
-    }
-
-    /// Steps forward again from `now`.
-    pub fn forward(&mut self, now: State) -> Option<State> {
-        Self::step(&mut self.future, &mut self.past, now)
-    }
-
-    fn step(from: &mut Vec<State>, to: &mut Vec<State>, now: State) -> Option<State> {
+    /// Steps from `now` to the state before it, or forward again to the one after it.
+    pub fn step(&mut self, is_back: bool, now: State) -> Option<State> {
+        let (mut from, mut to) = (&mut self.past, &mut self.future);
+        if !is_back {
+            std::mem::swap(&mut from, &mut to);
+        }
         let state = from.pop()?;
         to.push(now);
         Some(state)

@@ -80,7 +80,7 @@ impl View {
             ViewAction::Pause(paused) => self.clock.paused = paused,
             ViewAction::Scrub(time) => self.clock.time = time.max(0.0),
             ViewAction::SetPacing(pacing) => self.clock.pacing = pacing,
-            ViewAction::Home => self.flight.home(),
+            ViewAction::Home => self.flight.moved = None,
             ViewAction::StoreBookmark(number) => {
                 if let Some(own) = self.scene_camera() {
                     self.flight.store(number, self.flight.camera(&own));
@@ -88,9 +88,7 @@ impl View {
                 }
             }
             ViewAction::GoToBookmark(number) => {
-                if let Some(camera) = self.flight.bookmark(number) {
-                    self.flight.go_to(camera);
-                }
+                self.flight.moved = self.flight.bookmark(number).or(self.flight.moved);
             }
             ViewAction::SetCoarseness(pixels) => self.size.set_coarseness(pixels),
             ViewAction::Expose(stops) => self.expose(stops, press)?,
@@ -141,7 +139,7 @@ impl View {
         if methods(settings) != methods(&before) {
             self.interface.message = session.renderer.warnings().join("; ");
         }
-        // What a method gains is to be seen in the rate, not in the number of pixels.
+        // A method's gain is to be seen in the rate, not in the number of pixels.
         let gain = |of: &Settings| (of.indirect, of.vpl.temporal_sets);
         if press.is_some() && self.size.resolution.automatic && gain(settings) != gain(&before) {
             self.size.hold();
@@ -196,7 +194,7 @@ impl View {
                 }
                 let right = Right::of_settings(device, session, &settings)?;
                 if let Recording::On(recorder) = &mut self.recording {
-                    recorder.renewed(session);
+                    recorder.note_change(session, true);
                 }
                 self.put_right(right);
             }
@@ -282,7 +280,7 @@ impl View {
     pub fn follows_rate(&self, is_busy: bool) -> bool {
         let is_fixed = self.split.as_ref().is_some_and(|split| !matches!(split.right, Right::Renderer(_)))
             || !matches!(self.recording, Recording::Off);
-        self.size.resolution.automatic && !self.size.is_changing() && !is_busy && !is_fixed
+        self.size.resolution.automatic && self.size.changed.is_none() && !is_busy && !is_fixed
     }
 
     /// Gives the picture as many pixels as the target rate allows; `refresh`: frames that the display shows, per second.

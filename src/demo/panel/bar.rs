@@ -5,8 +5,8 @@ use egui::{ComboBox, Label, RichText, Ui};
 
 use super::shown::Shown;
 use super::thumbnails::Thumbnails;
-use super::widgets::{Layout, name_of, place, short};
-use crate::demo::action::{Actions, AppAction, EditAction, RightSide, ViewAction};
+use super::widgets::{Output, name_of, short};
+use crate::demo::action::{AppAction, EditAction, RightSide, ViewAction};
 use crate::demo::session::Session;
 use crate::estimators;
 use crate::settings::{Direct, Indirect, Preset, Settings};
@@ -23,25 +23,19 @@ const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
 /// Width of a setting's values in the bar, points.
 const AXIS: f32 = 160.0;
-pub(super) fn draw(
-    ui: &mut Ui,
-    thumbnails: &mut Thumbnails,
-    shown: &Shown<'_>,
-    layout: &mut Layout,
-    actions: &mut Actions,
-) {
+pub(super) fn draw(ui: &mut Ui, thumbnails: &mut Thumbnails, shown: &Shown<'_>, out: &mut Output) {
     ui.horizontal_wrapped(|ui| {
         rate(ui, shown);
-        scenes(ui, thumbnails, shown, layout, actions);
+        scenes(ui, thumbnails, shown, out);
         let Some(session) = shown.session() else { return };
         let mut settings = session.settings.clone();
-        methods(ui, &mut settings, layout);
-        axes(ui, &mut settings, layout);
+        methods(ui, &mut settings, out);
+        axes(ui, &mut settings, out);
         ui.separator();
         for (preset, about) in QUALITIES {
             let (name, preset) = (name_of(&preset), session.settings.with_preset(preset));
             let label = ui.selectable_label(preset == session.settings, &name).on_hover_text(about);
-            place(ui, layout, &name, &label);
+            out.place(ui, &name, &label);
             if label.clicked() {
                 settings = preset;
             }
@@ -50,18 +44,15 @@ pub(super) fn draw(
         let split = ui
             .selectable_label(shown.view.split.is_some(), "split")
             .on_hover_text("Another method or the reference right of a divider (C).");
-        place(ui, layout, "split", &split);
+        out.place(ui, "split", &split);
         if split.clicked() {
             let beside = RightSide::beside(&settings);
-            actions.push(ViewAction::Split(shown.view.split.is_none().then_some(beside)));
+            out.push(ViewAction::Split(shown.view.split.is_none().then_some(beside)));
         }
         let compare = ui
             .selectable_label(shown.comparison.is_some(), "compare T")
             .on_hover_text("Measures the frame rate against temporal sets, and the error (F3).");
-        place(ui, layout, "compare T", &compare);
-        if compare.clicked() {
-            actions.push(AppAction::ToggleCompare);
-        }
+        out.click(ui, "compare T", &compare, AppAction::ToggleCompare);
         // At the end, so that it moves nothing.
         let still = session.renderer.still_frames();
         if still > 0 {
@@ -71,7 +62,7 @@ pub(super) fn draw(
                 .on_hover_text("While nothing changes, the mean of all frames becomes the picture.");
         }
         if settings != session.settings {
-            actions.push(EditAction::Set(Box::new(settings)));
+            out.push(EditAction::Set(Box::new(settings)));
         }
     });
 }
@@ -91,13 +82,7 @@ fn rate(ui: &mut Ui, shown: &Shown<'_>) {
 }
 
 /// A menu with a picture of each scene; what lacks its models says so.
-fn scenes(
-    ui: &mut Ui,
-    thumbnails: &mut Thumbnails,
-    shown: &Shown<'_>,
-    layout: &mut Layout,
-    actions: &mut Actions,
-) {
+fn scenes(ui: &mut Ui, thumbnails: &mut Thumbnails, shown: &Shown<'_>, out: &mut Output) {
     let name = shown.session().map_or("none", |session| session.name.as_str());
     let combo = menu(ui, "scene", short(name), 120.0).height(600.0).truncate();
     let menu = combo.show_ui(ui, |ui| {
@@ -118,13 +103,10 @@ fn scenes(
                 label =
                     label.on_hover_text(format!("{} is not there: see docs/SCENES.md", missing.display()));
             }
-            place(ui, layout, &format!("scene {}", scene.name), &label);
-            if label.clicked() {
-                actions.push(AppAction::Open(scene.name.to_owned()));
-            }
+            out.click(ui, &format!("scene {}", scene.name), &label, AppAction::Open(scene.name.to_owned()));
         }
     });
-    place(ui, layout, "scenes", &menu.response);
+    out.place(ui, "scenes", &menu.response);
 }
 
 /// Goes to the next row where this one has no room for what is so wide.
@@ -140,12 +122,12 @@ fn menu(ui: &mut Ui, name: &str, chosen: &str, width: f32) -> ComboBox {
     ComboBox::from_id_salt(name).selected_text(chosen).width(width)
 }
 
-fn methods(ui: &mut Ui, settings: &mut Settings, layout: &mut Layout) {
+fn methods(ui: &mut Ui, settings: &mut Settings, out: &mut Output) {
     ui.separator();
     let indirect = settings.indirect;
-    method(ui, layout, ("method", "Indirect light"), &mut settings.indirect);
-    method(ui, layout, ("method of direct light", "Direct light"), &mut settings.direct);
-    // Of two that do not go together, the one that was chosen last stays.
+    method(ui, out, ("method", "Indirect light"), &mut settings.indirect);
+    method(ui, out, ("method of direct light", "Direct light"), &mut settings.direct);
+    // Two of them may exclude each other: the one that was chosen last stays.
     if settings.direct == Direct::Paths && settings.indirect != Indirect::PATHS {
         if settings.indirect == indirect {
             settings.indirect = Indirect::PATHS;
@@ -153,28 +135,28 @@ fn methods(ui: &mut Ui, settings: &mut Settings, layout: &mut Layout) {
             settings.direct = Direct::Auto;
         }
     }
-    method(ui, layout, ("method of reflections", "Reflections"), &mut settings.reflections);
-    method(ui, layout, ("denoiser", "Denoiser"), &mut settings.effects.denoise);
+    method(ui, out, ("method of reflections", "Reflections"), &mut settings.reflections);
+    method(ui, out, ("denoiser", "Denoiser"), &mut settings.effects.denoise);
 }
 
 /// A menu of the methods for one kind of light.
 fn method<Method: ValueEnum + PartialEq>(
     ui: &mut Ui,
-    layout: &mut Layout,
+    out: &mut Output,
     (name, what): (&str, &str),
     chosen: &mut Method,
 ) {
     let menu = menu(ui, name, &name_of(chosen), 64.0).show_ui(ui, |ui| {
         for method in Method::value_variants() {
             let label = ui.selectable_value(chosen, method.clone(), name_of(method));
-            place(ui, layout, &format!("{name} {}", name_of(method)), &label);
+            out.place(ui, &format!("{name} {}", name_of(method)), &label);
         }
     });
-    place(ui, layout, name, &menu.response.on_hover_text(what));
+    out.place(ui, name, &menu.response.on_hover_text(what));
 }
 
 /// Values to choose from of the settings that the method's short name states.
-fn axes(ui: &mut Ui, settings: &mut Settings, layout: &mut Layout) {
+fn axes(ui: &mut Ui, settings: &mut Settings, out: &mut Output) {
     for axis in estimators::method(settings).axes {
         let (Some(short), Some(values)) = (axis.short, axis.default_sweep) else { continue };
         ui.separator();
@@ -186,7 +168,7 @@ fn axes(ui: &mut Ui, settings: &mut Settings, layout: &mut Layout) {
             // Others are out of range.
             if (axis.get)(&chosen) == value {
                 let label = ui.selectable_label(chosen == *settings, value.to_string());
-                place(ui, layout, &format!("{short} = {value}"), &label);
+                out.place(ui, &format!("{short} = {value}"), &label);
                 if label.clicked() {
                     *settings = chosen;
                 }
@@ -207,11 +189,11 @@ mod tests {
         let context = egui::Context::default();
         let mut settings = Settings::default();
         let mut run = |events: Vec<Event>| {
-            let mut layout = Layout::new();
+            let mut out = Output::default();
             let screen_rect = Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 600.0)));
             let input = RawInput { screen_rect, events, ..RawInput::default() };
-            let _ = context.run_ui(input, |ui| methods(ui, &mut settings, &mut layout));
-            layout
+            let _ = context.run_ui(input, |ui| methods(ui, &mut settings, &mut out));
+            out.layout
         };
         run(Vec::new());
         let [left, top, right, bottom] = run(Vec::new())["method"];

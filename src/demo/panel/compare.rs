@@ -1,12 +1,12 @@
 //! The window of a comparison: what to measure, progress, and the result as a table and two plots.
 
-use egui::{Color32, Grid, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
+use egui::{Color32, Grid, ProgressBar, RichText, Ui, Window, vec2};
 use egui_plot::{GridMark, Line, Plot, Points};
 
 use super::shown::Shown;
-use super::widgets::{Layout, keep_keyboard, place};
+use super::widgets::Output;
 use crate::bench::Method;
-use crate::demo::action::{Actions, AppAction, EditAction, RequestedSettings};
+use crate::demo::action::{AppAction, EditAction, RequestedSettings};
 use crate::demo::compare::{Comparison, Row};
 use crate::demo::session::Session;
 use crate::estimators;
@@ -40,13 +40,7 @@ impl CompareState {
     }
 }
 
-pub(super) fn draw(
-    ui: &Ui,
-    compare: &mut CompareState,
-    shown: &Shown<'_>,
-    layout: &mut Layout,
-    actions: &mut Actions,
-) {
+pub(super) fn draw(ui: &Ui, compare: &mut CompareState, shown: &Shown<'_>, out: &mut Output) {
     let (Some(session), Some(comparison)) = (shown.session(), shown.comparison) else { return };
     let corner = shown.picture_area(ui.ctx()).min + vec2(12.0, 12.0);
     let window = Window::new("Frame rate against temporal sets").default_pos(corner).resizable(false);
@@ -61,12 +55,9 @@ pub(super) fn draw(
         ui.horizontal(|ui| {
             let mut button = |name: &str, is_on: bool, action: AppAction| {
                 let button = ui.add_enabled(is_on, egui::Button::new(name));
-                place(ui, layout, &format!("compare: {name}"), &button);
-                if button.clicked() {
-                    actions.push(action);
-                }
+                out.click(ui, &format!("compare: {name}"), &button, action);
             };
-            if comparison.is_running() {
+            if comparison.bench.is_running() {
                 return button("Cancel", true, AppAction::Compare(None));
             }
             button("Save report", !comparison.rows.is_empty(), AppAction::SaveComparison);
@@ -76,19 +67,17 @@ pub(super) fn draw(
         if let Err(error) = requested {
             ui.colored_label(ui.visuals().error_fg_color, error);
         }
-        if comparison.is_running() {
+        if comparison.bench.is_running() {
             progress(ui, comparison);
         } else {
-            result(ui, session, &comparison.rows, layout, actions);
+            result(ui, session, &comparison.rows, out);
             for (name, what, text) in [
                 ("T =", "Numbers of temporal sets", &mut compare.sets),
                 ("methods", "Such as vpls,paths,paths@denoise=bmfr,none,reference@1", &mut compare.methods),
             ] {
                 ui.horizontal(|ui| {
                     ui.label(name);
-                    let field = ui.add(TextEdit::singleline(text).desired_width(330.0)).on_hover_text(what);
-                    place(ui, layout, &format!("compare {name}"), &field);
-                    keep_keyboard(ui, &field);
+                    out.text_field(ui, &format!("compare {name}"), text, ("", 330.0)).on_hover_text(what);
                 });
             }
         }
@@ -102,7 +91,7 @@ fn progress(ui: &mut Ui, comparison: &Comparison) {
     ui.label(format!("about {} s left; the window waits meanwhile", left.as_secs()));
 }
 
-fn result(ui: &mut Ui, session: &Session, rows: &[Row], layout: &mut Layout, actions: &mut Actions) {
+fn result(ui: &mut Ui, session: &Session, rows: &[Row], out: &mut Output) {
     let Some(first) = rows.first() else { return };
     let is_on = |row: &Row| {
         let known = &row.settings;
@@ -117,7 +106,7 @@ fn result(ui: &mut Ui, session: &Session, rows: &[Row], layout: &mut Layout, act
         ui.end_row();
         for (at, row) in rows.iter().enumerate() {
             let label = ui.selectable_label(is_on(row), &row.name).on_hover_text("Switch to it.");
-            place(ui, layout, &format!("compared {}", row.name), &label);
+            out.place(ui, &format!("compared {}", row.name), &label);
             if label.clicked() {
                 chosen = Some(at);
             }
@@ -145,7 +134,7 @@ fn result(ui: &mut Ui, session: &Session, rows: &[Row], layout: &mut Layout, act
         // The window keeps its own.
         let Settings { size, time_step, still_frames, .. } = session.settings;
         let settings = Settings { size, time_step, still_frames, ..settings.clone() };
-        actions.push(EditAction::Set(Box::new(settings)));
+        out.push(EditAction::Set(Box::new(settings)));
     }
 }
 

@@ -4,10 +4,11 @@ use egui::style::ScrollStyle;
 use egui::{Grid, ScrollArea, Ui, Window};
 
 use super::shown::Shown;
-use crate::demo::action::{Actions, AppAction};
+use super::widgets::Output;
+use crate::demo::action::AppAction;
 use crate::demo::bindings::{BINDINGS, GESTURES};
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
     let corner = shown.picture_area(ui.ctx()).min;
     let mut is_open = true;
     let window = Window::new("Keys")
@@ -22,13 +23,13 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
         ScrollArea::vertical().max_height(height).show(ui, list);
     });
     if !is_open {
-        actions.push(AppAction::ToggleHelp);
+        out.push(AppAction::ToggleHelp);
     }
 }
 
 fn list(ui: &mut Ui) {
     Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-        let bound = BINDINGS.iter().map(|binding| (binding.keys, binding.what));
+        let bound = BINDINGS.iter().map(|(keys, what, ..)| (*keys, *what));
         for (keys, what) in GESTURES.iter().copied().chain(bound) {
             ui.strong(keys);
             ui.label(what);

@@ -26,15 +26,15 @@ use std::time::Duration;
 
 use egui::{CollapsingHeader, Frame, Id, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
-use super::action::{Actions, Selected};
+use super::action::Selected;
 use super::handles;
 use super::session::Session;
 use shown::{WIDTH, bar_height};
-use widgets::{is_text_field, place, short};
+use widgets::{is_text_field, short};
 
 pub(super) use scene::{Purpose, is_map, is_picture};
 pub(super) use shown::{Shown, picture_area, window_around};
-pub(super) use widgets::Layout;
+pub(super) use widgets::{Layout, Output};
 
 /// A scene that is loaded sooner needs no word.
 const SOON: Duration = Duration::from_millis(500);
@@ -48,8 +48,6 @@ const SPEED_SHOWN: Duration = Duration::from_millis(1500);
 pub(super) struct PanelState {
     pub files: scene::SceneState,
     pub compare: compare::CompareState,
-    /// Rectangles of the widgets in the last frame.
-    pub layout: Layout,
     /// Typed name of an environment's map.
     map: String,
     /// Typed part of the names of lights and objects to list.
@@ -70,13 +68,13 @@ impl PanelState {
     }
 }
 
-/// Lays out panel and overlays; returns the user's actions.
-pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) -> Actions {
-    let mut actions = Actions::default();
+/// Lays out panel and overlays.
+pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) -> Output {
+    let mut out = Output::default();
     let (viewport, interface) = (shown.picture_area(ui.ctx()), &shown.view.interface);
     let Rect { min, max } = viewport;
     let corners = [min.x, min.y, max.x, max.y].map(f32::round);
-    let mut layout = Layout::from([("picture".to_owned(), corners)]);
+    out.layout.insert("picture".to_owned(), corners);
     if let Some(split) = &shown.view.split {
         split::pictures(ui, &mut state.split, viewport, split);
     }
@@ -84,60 +82,53 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>) -> Ac
         notices::caption(ui, viewport, caption);
     }
     if interface.help {
-        help::draw(ui, shown, &mut actions);
+        help::draw(ui, shown, &mut out);
     }
-    notices::error(ui, shown, &mut layout, &mut actions);
-    unsaved::draw(ui, shown, &mut layout, &mut actions);
-    state.files.ask(ui.ctx(), &mut actions);
+    notices::error(ui, shown, &mut out);
+    unsaved::draw(ui, shown, &mut out);
+    state.files.ask(ui.ctx(), &mut out);
     if shown.session().is_none() {
         notices::loading(ui, viewport, shown.loader);
     }
     if let Some(preparation) = &interface.preparation {
         notices::preparing(ui, viewport, &preparation.subject);
     }
-    compare::draw(ui, &mut state.compare, shown, &mut layout, &mut actions);
+    compare::draw(ui, &mut state.compare, shown, &mut out);
     if !interface.hidden {
-        draw_hideable(ui, state, shown, &mut layout, &mut actions);
+        draw_hideable(ui, state, shown, &mut out);
     }
-    state.layout = layout;
-    actions
+    out
 }
 
 /// Lays out what Tab hides: bar, panel and overlays.
-fn draw_hideable(
-    ui: &mut Ui,
-    state: &mut PanelState,
-    shown: &Shown<'_>,
-    layout: &mut Layout,
-    actions: &mut Actions,
-) {
+fn draw_hideable(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, out: &mut Output) {
     let (viewport, interface) = (shown.picture_area(ui.ctx()), &shown.view.interface);
     if let Some(session) = shown.session().filter(|_| !interface.bare) {
         overlays(ui, viewport, shown, session);
     }
     let bar = egui::Panel::top("bar").exact_size(bar_height(ui.ctx().content_rect().width()));
     bar.resizable(false).frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
-        bar::draw(ui, &mut state.thumbnails, shown, layout, actions);
+        bar::draw(ui, &mut state.thumbnails, shown, out);
     });
     let panel = egui::Panel::right("panel").exact_size(WIDTH).resizable(false);
     panel.frame(Frame::side_top_panel(ui.style())).show(ui, |ui| {
         status(ui, shown);
         ui.separator();
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            sections(ui, state, shown, layout, actions);
+            sections(ui, state, shown, out);
             follow_focus(ui, &mut state.focused, interface.has_keyboard);
         });
     });
-    split::draw(ui, shown, layout, actions);
-    material::draw(ui, shown, layout, actions);
-    if shown.view.inspector.is_on() {
-        vpls::inspector(ui, viewport, shown, actions);
+    split::draw(ui, shown, out);
+    material::draw(ui, shown, out);
+    if shown.view.inspector.is_on {
+        vpls::inspector(ui, viewport, shown, out);
     }
     if !interface.has_keyboard && !state.files.is_asking() {
         release_number(ui.ctx());
     }
     if interface.welcome && shown.session().is_some() {
-        welcome::draw(ui, shown, layout, actions);
+        welcome::draw(ui, shown, out);
     }
 }
 
@@ -156,36 +147,30 @@ fn overlays(ui: &Ui, viewport: Rect, shown: &Shown<'_>, session: &Session) {
     }
 }
 
-fn sections(
-    ui: &mut Ui,
-    state: &mut PanelState,
-    shown: &Shown<'_>,
-    layout: &mut Layout,
-    actions: &mut Actions,
-) {
+fn sections(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, out: &mut Output) {
     let mut section = |title: &str,
                        (is_open, opens): (bool, Option<bool>),
-                       content: &mut dyn FnMut(&mut Ui, &mut Layout)| {
+                       content: &mut dyn FnMut(&mut Ui, &mut Output)| {
         let header = CollapsingHeader::new(RichText::new(title).strong());
         let header = header.default_open(is_open).open(opens);
-        let header = header.show(ui, |ui| content(ui, layout)).header_response;
-        place(ui, layout, title, &header);
+        let header = header.show(ui, |ui| content(ui, out)).header_response;
+        out.place(ui, title, &header);
     };
     let (open, closed) = ((true, None), (false, None));
-    section("Scene", open, &mut |ui, layout| scene::draw(ui, &mut state.files, shown, layout, actions));
-    section("Environment", closed, &mut |ui, layout| {
-        environment::draw(ui, &mut state.map, shown, layout, actions);
+    section("Scene", open, &mut |ui, out| scene::draw(ui, &mut state.files, shown, out));
+    section("Environment", closed, &mut |ui, out| {
+        environment::draw(ui, &mut state.map, shown, out);
     });
-    section("Time", open, &mut |ui, layout| time::draw(ui, shown, layout, actions));
+    section("Time", open, &mut |ui, out| time::draw(ui, shown, out));
     // It opens with a selection.
     let selected = shown.session().and_then(|session| session.selected);
     let opens = std::mem::replace(&mut state.selected, selected) != selected && selected.is_some();
-    section("Lights and objects", (false, opens.then_some(true)), &mut |ui, layout| {
-        objects::draw(ui, &mut state.searched, shown, layout, actions);
+    section("Lights and objects", (false, opens.then_some(true)), &mut |ui, out| {
+        objects::draw(ui, &mut state.searched, shown, out);
     });
-    section("Debug views", closed, &mut |ui, _| views::draw(ui, shown, actions));
-    section("Performance", closed, &mut |ui, layout| plots::draw(ui, shown, layout, actions));
-    section("Settings", closed, &mut |ui, _| settings::draw(ui, shown, actions));
+    section("Debug views", closed, &mut |ui, out| views::draw(ui, shown, out));
+    section("Performance", closed, &mut |ui, out| plots::draw(ui, shown, out));
+    section("Settings", closed, &mut |ui, out| settings::draw(ui, shown, out));
 }
 
 /// Scrolls to the widget that has received the keyboard.

@@ -1,12 +1,12 @@
 //! Lights and instances: select, edit, add, delete.
 
-use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
+use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
 
 use super::shown::Shown;
 use super::tree;
-use super::widgets::{Layout, keep_keyboard, place, place_track, power};
-use crate::demo::action::{Actions, AppAction, EditAction, HandleMode, NewObject, Selected};
+use super::widgets::{FIELD, Output, power};
+use crate::demo::action::{AppAction, EditAction, HandleMode, NewObject, Selected};
 use crate::demo::selection::label;
 use crate::demo::session::Session;
 use crate::demo::transform::carry;
@@ -17,29 +17,18 @@ use crate::scene::LightType;
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 
-pub(super) fn draw(
-    ui: &mut Ui,
-    searched: &mut String,
-    shown: &Shown<'_>,
-    layout: &mut Layout,
-    actions: &mut Actions,
-) {
+pub(super) fn draw(ui: &mut Ui, searched: &mut String, shown: &Shown<'_>, out: &mut Output) {
     let Some(session) = shown.session() else { return };
-    let field = ui.add(TextEdit::singleline(searched).hint_text("search by name").desired_width(150.0));
-    place(ui, layout, "search", &field);
-    keep_keyboard(ui, &field);
-    tree::draw(ui, session, shown.view.inspector.material(), searched, layout, actions);
+    out.text_field(ui, "search", searched, ("search by name", FIELD));
+    tree::draw(ui, session, shown.view.inspector.material, searched, out);
     ui.horizontal_wrapped(|ui| {
         ui.label("add");
         for kind in KINDS {
             let button = ui.small_button(label(kind)).on_hover_text("A new light in view of the camera");
-            place(ui, layout, &format!("add {}", label(kind)), &button);
-            if button.clicked() {
-                actions.push(EditAction::AddLight(kind));
-            }
+            out.click(ui, &format!("add {}", label(kind)), &button, EditAction::AddLight(kind));
         }
     });
-    add_object(ui, session, layout, actions);
+    add_object(ui, session, out);
     let Some(selected) = session.selected else {
         ui.small("Click an object or a light in the picture to select it.");
         return;
@@ -48,64 +37,45 @@ pub(super) fn draw(
         for mode in HandleMode::ALL {
             let label =
                 ui.selectable_label(shown.view.handles == mode, mode.label()).on_hover_text("T: the next");
-            place(ui, layout, mode.label(), &label);
-            if label.clicked() {
-                actions.push(EditAction::Handles(Some(mode)));
-            }
+            out.click(ui, mode.label(), &label, EditAction::Handles(Some(mode)));
         }
-        if ui.button("copy").on_hover_text("Ctrl+D").clicked() {
-            actions.push(EditAction::Duplicate);
-        }
-        if ui.button("delete").on_hover_text("Del").clicked() {
-            actions.push(EditAction::Delete);
-        }
+        out.button(ui, "copy", "Ctrl+D", EditAction::Duplicate);
+        out.button(ui, "delete", "Del", EditAction::Delete);
     });
     match selected {
         Selected::Light(index) => {
             if let Some(entry) = session.document.lights().nth(index) {
-                light(ui, session, (index, entry), layout, actions);
+                light(ui, session, (index, entry), out);
             }
         }
         Selected::Instance(index) => {
             if let Some(entry) = session.document.instances().nth(index) {
-                instance(ui, session, index, entry, actions);
+                instance(ui, session, index, entry, out);
             }
         }
     }
 }
 
 /// Shapes, models that are in the scene, and files.
-fn add_object(ui: &mut Ui, session: &Session, layout: &mut Layout, actions: &mut Actions) {
+fn add_object(ui: &mut Ui, session: &Session, out: &mut Output) {
     let combo = ComboBox::from_id_salt("add object").selected_text("add an object").width(150.0);
     let menu = combo.show_ui(ui, |ui| {
         let shapes = Primitive::ALL.map(|shape| (shape.label(), NewObject::Shape(shape)));
         let models = session.document.models().map(|model| (model, NewObject::Model(model.to_owned())));
         for (name, object) in shapes.into_iter().chain(models) {
             let label = ui.selectable_label(false, name);
-            place(ui, layout, &format!("add {name}"), &label);
-            if label.clicked() {
-                actions.push(EditAction::AddObject(object));
-            }
+            out.click(ui, &format!("add {name}"), &label, EditAction::AddObject(object));
         }
-        if ui.selectable_label(false, "model from a file …").clicked() {
-            actions.push(AppAction::AskModel);
-        }
+        out.on_click(&ui.selectable_label(false, "model from a file …"), AppAction::AskModel);
     });
-    place(ui, layout, "add an object", &menu.response);
+    out.place(ui, "add an object", &menu.response);
 }
 
-fn light(
-    ui: &mut Ui,
-    session: &Session,
-    (index, entry): (usize, &LightEntry),
-    layout: &mut Layout,
-    actions: &mut Actions,
-) {
+fn light(ui: &mut Ui, session: &Session, (index, entry): (usize, &LightEntry), out: &mut Output) {
     let mut light = entry.clone();
     let speed = 2e-3 * session.radius;
     if let Some(name) = &mut light.name {
-        let field = ui.add(TextEdit::singleline(name).desired_width(150.0));
-        keep_keyboard(ui, &field);
+        out.text_field(ui, "light name", name, ("", FIELD));
     }
     if session.headlamp == Some(index) {
         // The document has where it was when it was attached.
@@ -127,18 +97,18 @@ fn light(
     if light.kind == LightType::Spot {
         cone(ui, &mut light);
     }
-    extent(ui, &mut light, session.radius, layout);
+    extent(ui, &mut light, session.radius, out);
     let mut headlamp = session.headlamp == Some(index);
     let can_go = light.kind != LightType::Area;
     let check = ui.add_enabled(can_go, egui::Checkbox::new(&mut headlamp, "attached to the camera (H)"));
     if check.changed() {
-        actions.push(EditAction::ToggleHeadlamp);
+        out.push(EditAction::ToggleHeadlamp);
     }
     if light.instance.is_none() {
         spin(ui, &mut light.animation);
     }
     if light != *entry {
-        actions.push(EditAction::EditLight(index, Box::new(light)));
+        out.push(EditAction::EditLight(index, Box::new(light)));
     }
 }
 
@@ -180,7 +150,7 @@ fn quad(ui: &mut Ui, polygon: &mut [[f32; 3]; 4], speed: f32) {
     }
 }
 
-fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry, actions: &mut Actions) {
+fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry, out: &mut Output) {
     let mut instance = entry.clone();
     let mut place = instance.translation.unwrap_or_default();
     vector(ui, "position", Some(&mut place), 2e-3 * session.radius);
@@ -218,7 +188,7 @@ fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry,
     }
     spin(ui, &mut instance.animation);
     if instance != *entry {
-        actions.push(EditAction::EditInstance(index, Box::new(instance)));
+        out.push(EditAction::EditInstance(index, Box::new(instance)));
     }
 }
 
@@ -247,7 +217,7 @@ fn cone(ui: &mut Ui, light: &mut LightEntry) {
 }
 
 /// The extent of a light: the radius of a sphere, or the half angle of a disc; none has no key in a scene file.
-fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, layout: &mut Layout) {
+fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, out: &mut Output) {
     let (name, unit, most, value) = match light.kind {
         LightType::Point | LightType::Spot => ("radius", "", 0.2 * scene_radius, &mut light.radius),
         LightType::Directional => ("angle", "°", 90.0, &mut light.angle_deg),
@@ -256,9 +226,8 @@ fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, layout: &mut L
     let mut now = value.unwrap_or(0.0);
     let slider =
         Slider::new(&mut now, 0.0..=most).logarithmic(true).smallest_positive(1e-3 * f64::from(most));
-    let slider = ui.add(slider.clamping(SliderClamping::Edits).suffix(unit).text(name));
-    place_track(ui, layout, &format!("light {name}"), &slider);
-    if slider.on_hover_text("Of what shines: larger makes softer shadows").changed() {
+    let slider = out.slider(ui, &format!("light {name}"), slider.suffix(unit).text(name));
+    if slider.on_hover_text("Extent of what shines: larger makes softer shadows").changed() {
         *value = (now > 0.0).then_some(now);
     }
 }

@@ -4,8 +4,8 @@ use egui::{Align, Color32, Grid, Label, RichText, TextStyle, Ui, vec2};
 use egui_plot::{AxisHints, FilledArea, Line, Plot, PlotPoints};
 
 use super::shown::Shown;
-use super::widgets::{Layout, place};
-use crate::demo::action::{Actions, EditAction};
+use super::widgets::Output;
+use crate::demo::action::EditAction;
 use crate::demo::history::Sample;
 use crate::estimators::{self, CounterInfo};
 use crate::settings::{self, Settings};
@@ -13,7 +13,7 @@ use crate::settings::{self, Settings};
 /// Height of a plot, points.
 const HEIGHT: f32 = 120.0;
 
-/// What can be left out of a frame: its setting, and the value that leaves it out.
+/// Parts that a frame can do without: name, setting, and the value that leaves it out.
 const SWITCHES: [(&str, &str, &str); 5] = [
     ("indirect light", "indirect", "none"),
     ("soft shadows", "direct", "hard"),
@@ -22,7 +22,7 @@ const SWITCHES: [(&str, &str, &str); 5] = [
     ("antialiasing", "antialiasing", "none"),
 ];
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mut Actions) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
     let samples: Vec<&Sample> = shown.history.samples().collect();
     if samples.is_empty() {
         return;
@@ -37,7 +37,7 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, layout: &mut Layout, actions:
     ui.small(format!("device memory: {memory:.0} MiB at most"));
     ui.separator();
     if let Some(session) = shown.session() {
-        switches(ui, &session.settings, layout, actions);
+        switches(ui, &session.settings, out);
     }
     ui.small("milliseconds of each pass, stacked");
     let last = samples[samples.len() - 1];
@@ -76,17 +76,17 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, layout: &mut Layout, actions:
 }
 
 /// Leaves passes out, or has them again as they are by default.
-fn switches(ui: &mut Ui, settings: &Settings, layout: &mut Layout, actions: &mut Actions) {
+fn switches(ui: &mut Ui, settings: &Settings, out: &mut Output) {
     ui.horizontal_wrapped(|ui| {
         for (name, key, off) in SWITCHES {
             let Some(setting) = settings::find(key) else { continue };
             let mut is_on = setting.text(settings) != off;
             let switch = ui.checkbox(&mut is_on, name).on_hover_text(setting.option());
-            place(ui, layout, name, &switch);
+            out.place(ui, name, &switch);
             let wanted = if is_on { setting.text(&Settings::default()) } else { off.to_owned() };
             let mut changed = settings.clone();
             if switch.changed() && setting.set(&mut changed, &wanted).is_ok() {
-                actions.push(EditAction::Set(Box::new(changed)));
+                out.push(EditAction::Set(Box::new(changed)));
             }
         }
     });

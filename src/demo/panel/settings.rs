@@ -4,11 +4,12 @@ use egui::{Align, ComboBox, DragValue, Layout, Response, Ui};
 use toml::Value;
 
 use super::shown::Shown;
-use crate::demo::action::{Actions, EditAction, ViewAction};
+use super::widgets::Output;
+use crate::demo::action::{EditAction, ViewAction};
 use crate::demo::resolution::{COARSEST, Resolution};
 use crate::settings::{GROUPS, Kind, Setting, Settings};
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
     let Some(session) = shown.session() else { return };
     let mut settings = session.settings.clone();
     let defaults = Settings::default();
@@ -21,13 +22,13 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
             }
         });
     }
-    coarseness(ui, &shown.view.size.resolution, actions);
+    coarseness(ui, &shown.view.size.resolution, out);
     if settings != session.settings {
-        actions.push(EditAction::Set(Box::new(settings)));
+        out.push(EditAction::Set(Box::new(settings)));
     }
 }
 
-fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Actions) {
+fn coarseness(ui: &mut Ui, resolution: &Resolution, out: &mut Output) {
     let (mut pixels, mut automatic) = (resolution.coarseness, resolution.automatic);
     let line = ui.horizontal(|ui| {
         ui.label("pixel size");
@@ -39,7 +40,7 @@ fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Actions) {
         "The size follows the window. 2: each pixel covers 2x2 of the window, at a quarter of the cost.",
     );
     if (pixels, automatic) != (resolution.coarseness, resolution.automatic) {
-        actions.push(ViewAction::SetCoarseness((!automatic).then_some(pixels)));
+        out.push(ViewAction::SetCoarseness((!automatic).then_some(pixels)));
     }
 }
 
@@ -106,7 +107,7 @@ fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut Str
             response
         }
         Kind::Features => {
-            // What is being typed is no list yet.
+            // Text that is being typed is no list yet.
             let typed = ui.id().with(key);
             let kept = ui.data(|data| data.get_temp(typed));
             let mut names = kept.unwrap_or_else(|| wanted.clone());

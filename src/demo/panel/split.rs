@@ -10,8 +10,8 @@ use egui::{
 
 use super::settings::row;
 use super::shown::Shown;
-use super::widgets::{Layout, name_of, place, short};
-use crate::demo::action::{Action, Actions, AppAction, RightSide, ViewAction};
+use super::widgets::{Output, name_of, short};
+use crate::demo::action::{Action, AppAction, RightSide, ViewAction};
 use crate::demo::live_metrics::Shot;
 use crate::demo::live_reference::{ENOUGH, LiveReference};
 use crate::demo::session::Session;
@@ -55,7 +55,7 @@ pub(super) fn pictures(ui: &Ui, state: &mut SplitState, viewport: Rect, split: &
         ui.painter().vline(divider, viewport.y_range(), Stroke::new(2.0, Color32::WHITE));
         return;
     }
-    let Some(compared) = split.metrics.last() else { return };
+    let Some(compared) = &split.metrics.last else { return };
     let shown = state.difference.take().filter(|(version, _)| *version == split.metrics.version);
     let (version, texture) = shown.unwrap_or_else(|| {
         let colours = compared.flip.iter().map(|&error| magma(f64::from(error)));
@@ -101,7 +101,7 @@ fn scale(ui: &Ui, viewport: Rect) {
 }
 
 /// The divider, with a description of both sides.
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mut Actions) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
     let (Some(session), Some(split)) = (shown.session(), &shown.view.split) else { return };
     let viewport = shown.picture_area(ui.ctx());
     let x = divider_of(viewport, split.at);
@@ -109,12 +109,12 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, layout: &mut Layout, actions:
     let divider = Area::new(Id::new("divider")).fixed_pos(line.min).show(ui.ctx(), |ui| {
         ui.allocate_response(line.size(), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal)
     });
-    place(ui, layout, "divider", &divider.inner);
+    out.place(ui, "divider", &divider.inner);
     if divider.inner.dragged()
         && let Some(at) = divider.inner.interact_pointer_pos()
     {
-        actions
-            .push(ViewAction::MoveDivider(((at.x - viewport.left()) / viewport.width()).clamp(0.02, 0.98)));
+        let share = (at.x - viewport.left()) / viewport.width();
+        out.push(ViewAction::MoveDivider(share.clamp(0.02, 0.98)));
     }
     let label = |id: &str, at: Pos2, align: Align2, add: &mut dyn FnMut(&mut Ui)| {
         Area::new(Id::new(id)).fixed_pos(at).pivot(align).constrain_to(viewport).show(ui.ctx(), |ui| {
@@ -132,19 +132,19 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, layout: &mut Layout, actions:
     });
     let right = pos2(x + 10.0, viewport.top() + LABELS_AT);
     label("right side", right, Align2::LEFT_TOP, &mut |ui| {
-        right_side(ui, (session, split), layout, actions);
+        right_side(ui, (session, split), out);
     });
 }
 
-fn right_side(ui: &mut Ui, (session, split): (&Session, &Split), layout: &mut Layout, actions: &mut Actions) {
+fn right_side(ui: &mut Ui, (session, split): (&Session, &Split), out: &mut Output) {
     ui.horizontal_wrapped(|ui| {
         let (is_method, is_reference) =
             (matches!(split.right, Right::Renderer(_)), matches!(split.right, Right::Reference(_)));
         let mut choice = |name: &str, is_on: bool, what: &str, action: Option<Action>| {
             let choice = ui.selectable_label(is_on, name).on_hover_text(what);
-            place(ui, layout, name, &choice);
+            out.place(ui, name, &choice);
             if choice.clicked() {
-                actions.extend(action);
+                out.extend(action);
             }
         };
         let side = |is_on: bool, side: RightSide| (!is_on).then_some(ViewAction::Split(Some(side)).into());
@@ -174,16 +174,16 @@ fn right_side(ui: &mut Ui, (session, split): (&Session, &Split), layout: &mut La
                     row(ui, setting, &mut settings, &session.settings);
                 }
             });
-            place(ui, layout, "change", &header.header_response);
+            out.place(ui, "change", &header.header_response);
             if settings != other.settings {
-                actions.push(ViewAction::Split(Some(RightSide::Settings(Box::new(settings)))));
+                out.push(ViewAction::Split(Some(RightSide::Settings(Box::new(settings)))));
             }
         }
     }
 }
 
 fn progress(ui: &mut Ui, reference: &LiveReference) {
-    let Some(progress) = reference.progress() else {
+    let Some(progress) = &reference.progress else {
         ui.label("waits until nothing moves (Space pauses)");
         return;
     };
@@ -199,7 +199,7 @@ fn minutes(time: Duration) -> String {
 
 /// The error of the left side.
 fn numbers(ui: &mut Ui, split: &Split) {
-    let Some(compared) = split.metrics.last() else { return };
+    let Some(compared) = &split.metrics.last else { return };
     let metrics = compared.metrics;
     ui.label(format!("FLIP {:.4}, SSIM {:.4}", metrics.flip, metrics.ssim));
     ui.label(format!("relative error {:.2} %", 100.0 * metrics.mean_relative_error));

@@ -3,10 +3,10 @@
 use egui::{Id, Modal, Ui};
 
 use super::shown::Shown;
-use super::widgets::{Layout, place, short};
-use crate::demo::action::{Actions, AppAction};
+use super::widgets::{Output, short};
+use crate::demo::action::AppAction;
 
-pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mut Actions) {
+pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, out: &mut Output) {
     let Some(pending) = &shown.view.interface.pending else { return };
     let what = match pending {
         AppAction::Open(name) => format!("Opening {}", short(name)),
@@ -21,7 +21,7 @@ pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mu
         ui.horizontal(|ui| {
             let buttons = ["Save …", "Discard", "Cancel"].map(|name| (name, ui.button(name)));
             for (name, button) in &buttons {
-                place(ui, layout, name, button);
+                out.place(ui, name, button);
             }
             buttons.map(|(_, button)| button.clicked())
         })
@@ -29,11 +29,11 @@ pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mu
     });
     let [saves, discards, stays] = modal.inner;
     if saves {
-        actions.push(AppAction::AskSave);
+        out.push(AppAction::AskSave);
     } else if discards {
-        actions.push(pending.clone());
+        out.push(pending.clone());
     }
     if saves || stays || modal.should_close() {
-        actions.push(AppAction::KeepScene);
+        out.push(AppAction::KeepScene);
     }
 }

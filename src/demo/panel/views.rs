@@ -4,25 +4,26 @@ use egui::{ComboBox, Ui};
 
 use super::shown::Shown;
 use super::vpls;
-use crate::demo::action::{Actions, ViewAction};
+use super::widgets::Output;
+use crate::demo::action::ViewAction;
 use crate::estimators;
 use crate::renderer::DebugView;
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Actions) {
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
     let Some(session) = shown.session() else { return };
     let mut view = session.renderer.view().clone();
     buffers(ui, &mut view);
-    vpls::view_options(ui, &mut view, session, actions);
-    let mut inspecting = shown.view.inspector.is_on();
+    vpls::view_options(ui, &mut view, session, out);
+    let mut inspecting = shown.view.inspector.is_on;
     if ui
         .checkbox(&mut inspecting, "inspector")
         .on_hover_text("Click a surface to edit its material and to list the VPLs that light it (I).")
         .changed()
     {
-        actions.push(ViewAction::ToggleInspector);
+        out.push(ViewAction::ToggleInspector);
     }
     if view != *session.renderer.view() {
-        actions.push(ViewAction::View(Box::new(view)));
+        out.push(ViewAction::View(Box::new(view)));
     }
 }
 

@@ -3,7 +3,8 @@
 use egui::{Align2, ComboBox, DragValue, Grid, Rect, Slider, Ui, Window};
 
 use super::shown::Shown;
-use crate::demo::action::{Actions, ViewAction};
+use super::widgets::Output;
+use crate::demo::action::ViewAction;
 use crate::demo::inspector::Found;
 use crate::demo::session::Session;
 use crate::estimators::vpls::{
@@ -15,7 +16,7 @@ use crate::scene::luminance;
 use crate::settings::VplSettings;
 
 /// The options of the views, where VPLs are the method.
-pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session, actions: &mut Actions) {
+pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session, out: &mut Output) {
     if session.renderer.estimator::<Vpls>().is_none() {
         return;
     }
@@ -24,15 +25,15 @@ pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session,
         if shows_a_set {
             set(ui, options, session.settings.vpl.temporal_sets);
         }
-        paths(ui, options, session.settings.vpl.pool_size().max(1), actions);
-        single(ui, options, actions);
+        paths(ui, options, session.settings.vpl.pool_size().max(1), out);
+        single(ui, options, out);
     });
 }
 
 /// A title, and what each colour means.
 type Legend = (String, Vec<(String, [f32; 3])>);
 
-/// What the colours of a view mean: of paths, and of how many frames old the light is.
+/// Explains the colours of a view: those of paths, and those of the age of the light in frames.
 pub(super) fn legends(view: &DebugView, settings: &VplSettings) -> Vec<Legend> {
     let mut legends = Vec::new();
     if view.buffer == STALENESS {
@@ -69,7 +70,7 @@ fn set(ui: &mut Ui, view: &mut VplDebugView, sets: u32) {
     });
 }
 
-fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Actions) {
+fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, out: &mut Output) {
     ui.horizontal(|ui| {
         let mut on = view.vpl_paths.is_some();
         if ui
@@ -77,7 +78,7 @@ fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Actions)
             .on_hover_text("VPLs as points, their paths as lines (P)")
             .changed()
         {
-            actions.push(ViewAction::TogglePaths);
+            out.push(ViewAction::TogglePaths);
         }
         let mut style = view.vpl_paths.unwrap_or_default();
         ComboBox::from_id_salt("paths").selected_text(style.label()).show_ui(ui, |ui| {
@@ -97,24 +98,20 @@ fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Actions)
     }
 }
 
-fn single(ui: &mut Ui, view: &VplDebugView, actions: &mut Actions) {
+fn single(ui: &mut Ui, view: &VplDebugView, out: &mut Output) {
     ui.horizontal(|ui| {
         ui.label("VPL");
-        if ui.small_button("<").on_hover_text("previous VPL (,)").clicked() {
-            actions.push(ViewAction::StepVpl(-1));
-        }
+        out.on_click(&ui.small_button("<").on_hover_text("previous VPL (,)"), ViewAction::StepVpl(-1));
         ui.label(view.single_vpl.map_or_else(|| "all".to_owned(), |slot| slot.to_string()));
-        if ui.small_button(">").on_hover_text("next VPL (.)").clicked() {
-            actions.push(ViewAction::StepVpl(1));
-        }
+        out.on_click(&ui.small_button(">").on_hover_text("next VPL (.)"), ViewAction::StepVpl(1));
         if ui.add_enabled(view.single_vpl.is_some(), egui::Button::new("all").small()).clicked() {
-            actions.push(ViewAction::AllVpls);
+            out.push(ViewAction::AllVpls);
         }
     });
 }
 
 /// The list of VPLs that light a point.
-pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, actions: &mut Actions) {
+pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, out: &mut Output) {
     let window = Window::new("Inspector")
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
         .max_width((viewport.width() - 30.0).max(200.0))
@@ -126,7 +123,7 @@ pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, actions: &mu
             ui.label(pixel);
             ui.separator();
         }
-        if !shown.view.inspector.has_point() {
+        if shown.view.inspector.point.is_none() {
             ui.label("Click a surface.");
             return;
         }
@@ -147,7 +144,7 @@ pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, actions: &mu
                 {
                     let mut view = session.renderer.view().clone();
                     view.change_options(|options: &mut VplDebugView| options.single_vpl = Some(slot));
-                    actions.push(ViewAction::View(Box::new(view)));
+                    out.push(ViewAction::View(Box::new(view)));
                 }
                 let share = if all > 0.0 { 100.0 * brought(found) / all } else { 0.0 };
                 ui.label(format!("{share:.1} %"))

@@ -3,8 +3,8 @@
 use egui::{Align2, Ui, Window};
 
 use super::shown::Shown;
-use super::widgets::{Layout, place};
-use crate::demo::action::{Actions, AppAction};
+use super::widgets::Output;
+use crate::demo::action::AppAction;
 
 const LINES: [&str; 5] = [
     "All light in this room is computed as you watch: click a lamp or a ball and drag it by its arrows.",
@@ -14,7 +14,7 @@ const LINES: [&str; 5] = [
     "F1 lists all keys; F2 begins a tour; F3 measures what temporal sets gain.",
 ];
 
-pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mut Actions) {
+pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, out: &mut Output) {
     let at = shown.picture_area(ui.ctx()).left_bottom() + egui::vec2(12.0, -36.0);
     let window = Window::new("Welcome to glowworm").fixed_pos(at).pivot(Align2::LEFT_BOTTOM);
     let width = (shown.picture_area(ui.ctx()).width() - 40.0).clamp(100.0, 640.0);
@@ -26,9 +26,6 @@ pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, layout: &mut Layout, actions: &mu
         ui.button("Got it")
     });
     if let Some(button) = shown.and_then(|shown| shown.inner) {
-        place(ui, layout, "Got it", &button);
-        if button.clicked() {
-            actions.push(AppAction::DismissWelcome);
-        }
+        out.click(ui, "Got it", &button, AppAction::DismissWelcome);
     }
 }

@@ -1,37 +1,104 @@
-//! Helpers of the sections: places of widgets, fields of text, colours with a strength, names.
+//! Helpers of the sections: output, layout of widgets, fields of text, colours with a strength, names.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use clap::ValueEnum;
-use egui::{DragValue, Id, Response, Ui};
+use egui::{DragValue, Id, Rect, Response, Slider, SliderClamping, TextEdit, Ui};
 use glam::Vec3;
+
+use crate::demo::action::{Action, Actions};
+
+/// Width of a field of text, points.
+pub(super) const FIELD: f32 = 150.0;
+/// Key of the last field of text that had the keyboard.
+const TEXT_FIELD: &str = "text field";
 
 /// Widget rectangles in the window, points; logged so that tests find them.
 pub(in crate::demo) type Layout = BTreeMap<String, [f32; 4]>;
 
-/// Records a widget's rectangle, if visible.
-pub(super) fn place(ui: &Ui, layout: &mut Layout, name: &str, response: &Response) {
-    if ui.clip_rect().contains(response.rect.center()) {
-        let rect = response.rect;
-        layout.insert(name.to_owned(), [rect.min.x, rect.min.y, rect.max.x, rect.max.y].map(f32::round));
+/// Output of the panel: the user's actions, and where its widgets are.
+#[derive(Default)]
+pub(in crate::demo) struct Output {
+    pub actions: Actions,
+    pub layout: Layout,
+}
+
+impl Output {
+    pub fn push(&mut self, action: impl Into<Action>) {
+        self.actions.push(action);
     }
-}
 
-/// Records the rectangle of a slider's track, without the value and the text beside it.
-pub(super) fn place_track(ui: &Ui, layout: &mut Layout, name: &str, slider: &Response) {
-    let width = ui.spacing().slider_width.min(slider.rect.width());
-    let rect = slider.rect.with_max_x(slider.rect.min.x + width);
-    place(ui, layout, name, &slider.clone().with_new_rect(rect));
-}
+    pub fn extend(&mut self, actions: impl IntoIterator<Item: Into<Action>>) {
+        self.actions.extend(actions);
+    }
 
-/// Key of the last field of text that had the keyboard.
-const TEXT_FIELD: &str = "text field";
+    /// Records a widget's rectangle, if visible.
+    pub fn place(&mut self, ui: &Ui, name: &str, response: &Response) {
+        let Rect { min, max } = response.rect;
+        if ui.clip_rect().contains(response.rect.center()) {
+            self.layout.insert(name.to_owned(), [min.x, min.y, max.x, max.y].map(f32::round));
+        }
+    }
 
-/// Notes that a field of text has the keyboard: it keeps it wherever the pointer goes, which a number does not.
-pub(super) fn keep_keyboard(ui: &Ui, field: &Response) {
-    if field.has_focus() {
-        ui.data_mut(|data| data.insert_temp(Id::new(TEXT_FIELD), field.id));
+    /// Adds a slider; records the rectangle of its track, without the value and the text beside it.
+    pub fn slider(&mut self, ui: &mut Ui, name: &str, slider: Slider<'_>) -> Response {
+        let slider = ui.add(slider.clamping(SliderClamping::Edits));
+        let width = ui.spacing().slider_width.min(slider.rect.width());
+        let rect = slider.rect.with_max_x(slider.rect.min.x + width);
+        self.place(ui, name, &slider.clone().with_new_rect(rect));
+        slider
+    }
+
+    /// Adds a field of text. It keeps the keyboard wherever the pointer goes, which a number does not.
+    pub fn text_field(
+        &mut self,
+        ui: &mut Ui,
+        name: &str,
+        text: &mut String,
+        (hint, width): (&str, f32),
+    ) -> Response {
+        let field = ui.add(TextEdit::singleline(text).hint_text(hint).desired_width(width));
+        self.place(ui, name, &field);
+        if field.has_focus() {
+            ui.data_mut(|data| data.insert_temp(Id::new(TEXT_FIELD), field.id));
+        }
+        field
+    }
+
+    /// Adds a field of text with a button; returns the text once it is entered.
+    pub fn entry(
+        &mut self,
+        ui: &mut Ui,
+        (name, button): (&str, &str),
+        text: &mut String,
+        hint: &str,
+    ) -> Option<String> {
+        ui.horizontal(|ui| {
+            let field = self.text_field(ui, name, text, (hint, FIELD));
+            let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            let typed = text.trim();
+            ((ui.button(button).clicked() || is_entered) && !typed.is_empty()).then(|| typed.to_owned())
+        })
+        .inner
+    }
+
+    /// Records a widget's rectangle; a click on it is this action.
+    pub fn click(&mut self, ui: &Ui, name: &str, widget: &Response, action: impl Into<Action>) {
+        self.place(ui, name, widget);
+        self.on_click(widget, action);
+    }
+
+    /// Adds a button for this action.
+    pub fn button(&mut self, ui: &mut Ui, name: &str, about: &str, action: impl Into<Action>) {
+        self.on_click(&ui.button(name).on_hover_text(about), action);
+    }
+
+    /// A click on a widget is this action.
+    pub fn on_click(&mut self, widget: &Response, action: impl Into<Action>) {
+        if widget.clicked() {
+            self.push(action);
+        }
     }
 }
 
