@@ -41,7 +41,8 @@ fn a_visit() {
     let file = saved(&mut demo);
     let lights = |scene: &str| glowworm::formats::load_scene(scene, None).unwrap().lights.len();
     assert_eq!(lights(demo.path(&file).to_str().unwrap()), lights("cornell-box") + 1);
-    demo.discard_and_close();
+    // What is saved is not asked about.
+    demo.close();
 }
 
 fn a_light_is_added_taken_back_and_made_again(
