@@ -368,7 +368,10 @@ fn imports_within_rooms() -> BTreeMap<String, BTreeSet<String>> {
         rust_files("src").into_iter().map(|file| (module_of(&file), file)).collect();
     let file_of = |path: &str| {
         let ends = path.match_indices('/').map(|(at, _)| at).chain([path.len()]);
-        ends.map(|end| &path[..end]).filter(|module| files.contains_key(*module)).last().map(str::to_owned)
+        ends.map(|end| &path[..end])
+            .filter(|module| files.contains_key(*module))
+            .next_back()
+            .map(str::to_owned)
     };
     let imports = |(module, file): (&String, &PathBuf)| {
         let paths = paths_in(&fs::read_to_string(file).unwrap(), module);
@@ -381,7 +384,7 @@ fn imports_within_rooms() -> BTreeMap<String, BTreeSet<String>> {
 
 #[test]
 fn no_files_of_a_room_import_each_other_in_a_circle() {
-    // What imports nothing that is left is on no circle.
+    // Take files away that import none of those left: they are on no circle.
     let mut left = imports_within_rooms();
     loop {
         let free = |used: &BTreeSet<String>| !used.iter().any(|file| left.contains_key(file));
@@ -392,7 +395,7 @@ fn no_files_of_a_room_import_each_other_in_a_circle() {
         }
         done.iter().for_each(|file| drop(left.remove(file)));
     }
-    // Files above a circle are left with it; each line says what a file waits for.
+    // A circle is left, with the files above it.
     let waits: Vec<String> = left
         .iter()
         .map(|(file, used)| {

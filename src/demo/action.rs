@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::clock::FramePacing;
 use crate::bench::Method;
-use crate::formats::{EnvironmentEntry, InstanceEntry, LightEntry, MaterialEdit, Primitive};
+use crate::formats::{AnimationEntry, EnvironmentEntry, InstanceEntry, LightEntry, MaterialEdit, Primitive};
 use crate::renderer::DebugView;
 use crate::scene::LightType;
 use crate::settings::Settings;
@@ -181,6 +181,13 @@ pub enum Selected {
     Light(usize),
 }
 
+/// An instance or a light of the document.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Entry {
+    Instance(usize, InstanceEntry),
+    Light(usize, LightEntry),
+}
+
 /// An object to add.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -256,6 +263,23 @@ impl From<ViewAction> for Action {
 impl From<EditAction> for Action {
     fn from(action: EditAction) -> Self {
         Self::Edit(action)
+    }
+}
+
+impl Entry {
+    pub fn animation(&mut self) -> &mut Option<AnimationEntry> {
+        match self {
+            Self::Instance(_, entry) => &mut entry.animation,
+            Self::Light(_, entry) => &mut entry.animation,
+        }
+    }
+
+    /// The edit that changes the document to it.
+    pub fn edit(self) -> EditAction {
+        match self {
+            Self::Instance(index, entry) => EditAction::EditInstance(index, Box::new(entry)),
+            Self::Light(index, entry) => EditAction::EditLight(index, Box::new(entry)),
+        }
     }
 }
 

@@ -74,8 +74,8 @@ impl App {
     /// Returns the validation messages, or the error that ended the run.
     pub fn finish(mut self) -> Result<Vec<String>, DemoError> {
         self.open = None;
-        let messages = self.instance.take().map(|instance| instance.validation_messages());
-        let messages = messages.unwrap_or_default();
+        let instance = self.instance.take();
+        let messages = instance.map(|instance| instance.validation_messages()).unwrap_or_default();
         self.log.event("closed", json!({ "validation_messages": messages.len() }));
         let written = self.log.finish();
         match self.failed {

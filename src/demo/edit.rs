@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::action::{EditAction, NewObject, Selected};
+use super::action::{EditAction, Entry, NewObject, Selected};
 use super::error::DemoError;
-use super::selection::{Entry, label};
+use super::selection::label;
 use super::session::{Change, Session};
 use super::transform::{carry, moved_instance, moved_light};
 use super::undo::Press;

@@ -14,10 +14,8 @@ use super::action::{Action, AppAction, EditAction, RightSide, ViewAction};
 use super::app::{App, OpenWindow};
 use super::panel::{is_map, is_picture};
 
-/// Time between frames while nothing changes.
+/// Time between frames while nothing changes, and between polls while the window is hidden.
 const CALM: Duration = Duration::from_millis(100);
-/// Poll interval while the window is hidden.
-const HIDDEN_POLL: Duration = Duration::from_millis(100);
 /// Time after which the window asks a measurement again whether it may draw.
 const MEASURING_POLL: Duration = Duration::from_millis(10);
 
@@ -136,7 +134,7 @@ impl ApplicationHandler for App {
             self.log.event(if hidden { "hidden" } else { "seen" }, ());
         }
         if hidden {
-            events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + HIDDEN_POLL));
+            events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + CALM));
         } else if open.is_measuring() {
             events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + MEASURING_POLL));
             open.screen.window.request_redraw();

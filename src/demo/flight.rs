@@ -1,5 +1,7 @@
 //! Camera controller: fly, look, orbit, bookmarks.
 
+use std::collections::BTreeMap;
+
 use glam::{Quat, Vec3};
 use winit::keyboard::KeyCode;
 
@@ -22,7 +24,7 @@ const FASTEST_WALK: f32 = 0.2;
 pub(super) struct Flight {
     /// Where the user moved the camera; none: the scene's own camera, which may be animated.
     pub moved: Option<Camera>,
-    bookmarks: [Option<Camera>; 9],
+    pub bookmarks: BTreeMap<usize, Camera>,
     /// Speed, scene units per second.
     pub speed: f32,
     metres_per_unit: Option<f32>,
@@ -35,7 +37,14 @@ impl Flight {
     pub fn new(radius: f32, metres_per_unit: Option<f32>) -> Self {
         let walk = metres_per_unit.map_or(f32::INFINITY, |metres| WALK / metres);
         let speed = walk.min(FASTEST_WALK * radius);
-        Self { moved: None, bookmarks: [None; 9], speed, metres_per_unit, held: Vec::new(), running: false }
+        Self {
+            moved: None,
+            bookmarks: BTreeMap::new(),
+            speed,
+            metres_per_unit,
+            held: Vec::new(),
+            running: false,
+        }
     }
 
     /// The speed, to be read.
@@ -49,18 +58,6 @@ impl Flight {
     /// The camera to draw with, given the scene's own.
     pub fn camera(&self, own: &Camera) -> Camera {
         self.moved.unwrap_or(*own)
-    }
-
-    /// Stores `camera` as a bookmark.
-    pub fn store(&mut self, number: usize, camera: Camera) {
-        if let Some(bookmark) = self.bookmarks.get_mut(number) {
-            *bookmark = Some(camera);
-        }
-    }
-
-    /// A bookmarked camera.
-    pub fn bookmark(&self, number: usize) -> Option<Camera> {
-        self.bookmarks.get(number).copied().flatten()
     }
 
     /// Handles a key press or release.

@@ -5,9 +5,8 @@
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
 
-use super::action::{HandleMode, Selected};
+use super::action::{Entry, HandleMode, Selected};
 use super::keys::key_at;
-use super::selection::Entry;
 use super::session::Session;
 use super::transform::{
     moved_instance, moved_key, moved_light, rotated_instance, rotated_key, rotated_light, scaled_instance,

@@ -26,7 +26,7 @@ pub(super) struct Sample {
 /// The last frames, oldest first.
 #[derive(Default)]
 pub(super) struct History {
-    samples: VecDeque<Sample>,
+    pub samples: VecDeque<Sample>,
 }
 
 impl History {
@@ -35,10 +35,6 @@ impl History {
             self.samples.pop_front();
         }
         self.samples.push_back(sample);
-    }
-
-    pub fn samples(&self) -> impl ExactSizeIterator<Item = &Sample> + Clone {
-        self.samples.iter()
     }
 
     /// Mean interval of the frames of the last half second, ms; 0 before the first.

@@ -6,11 +6,10 @@ use glam::{Vec2, Vec3};
 use winit::event::{ElementState, MouseButton};
 use winit::keyboard::{KeyCode, ModifiersState};
 
-use super::action::{Action, Actions, AppAction, EditAction};
+use super::action::{Action, Actions, AppAction, EditAction, Entry};
 use super::bindings::action_of;
 use super::handles::{HandleDrag, light_at};
 use super::screen::Screen;
-use super::selection::Entry;
 use super::undo::Press;
 use super::view::View;
 use crate::vulkan::Viewport;

@@ -140,9 +140,7 @@ impl Loader {
     /// Waits for the running job and discards its result.
     pub fn stop(&mut self) {
         self.waiting = None;
-        if let Some(job) = self.running.take() {
-            let _ = job.thread.join();
-        }
+        self.next();
     }
 
     fn next(&mut self) {

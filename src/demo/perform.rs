@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::action::{Action, Actions, AppAction, EditAction, RequestedSettings};
+use super::action::{Action, AppAction, EditAction, RequestedSettings};
 use super::app::{App, OpenWindow};
 use super::command::command;
 use super::compare::Comparison;
@@ -265,8 +265,7 @@ impl OpenWindow {
         };
         let caption = frame.begins.then(|| tour.caption());
         self.view.flight.moved = Some(frame.camera);
-        let Actions(actions) = frame.actions;
-        self.actions.extend(actions);
+        self.actions.extend(frame.actions.0);
         Ok(caption)
     }
 }

@@ -72,10 +72,9 @@ impl Screen {
         Some(f64::from(millihertz) / 1e3)
     }
 
-    /// A position in points, of one in pixels.
-    pub fn points(&self, [x, y]: [f32; 2]) -> Pos2 {
-        let scale = self.context().pixels_per_point();
-        Pos2::new(x / scale, y / scale)
+    /// Converts a position from pixels to points.
+    pub fn points(&self, pixels: [f32; 2]) -> Pos2 {
+        Pos2::from(pixels) / self.context().pixels_per_point()
     }
 
     /// Whether the interface takes a press at a position: egui itself only knows where the pointer was in the last frame.

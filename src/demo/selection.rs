@@ -2,34 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
-use super::action::{EditAction, Selected};
+use super::action::{Entry, Selected};
 use super::session::Session;
-use crate::formats::{AnimationEntry, InstanceEntry, LightEntry};
 use crate::scene::{LightKind, LightType};
-
-/// An instance or a light of the document.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Entry {
-    Instance(usize, InstanceEntry),
-    Light(usize, LightEntry),
-}
-
-impl Entry {
-    pub fn animation(&mut self) -> &mut Option<AnimationEntry> {
-        match self {
-            Self::Instance(_, entry) => &mut entry.animation,
-            Self::Light(_, entry) => &mut entry.animation,
-        }
-    }
-
-    /// The edit that changes the document to it.
-    pub fn edit(self) -> EditAction {
-        match self {
-            Self::Instance(index, entry) => EditAction::EditInstance(index, Box::new(entry)),
-            Self::Light(index, entry) => EditAction::EditLight(index, Box::new(entry)),
-        }
-    }
-}
 
 impl Session {
     /// An entry as it is.

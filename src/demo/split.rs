@@ -151,10 +151,7 @@ impl Split {
 
     /// Whether no frame of the right side would differ from the last one. What the CPU draws goes on by itself.
     pub fn is_frozen(&self) -> bool {
-        match &self.right {
-            Right::Renderer(other) => other.renderer.is_frozen(),
-            Right::Reference(_) | Right::Picture(_) => true,
-        }
+        !matches!(&self.right, Right::Renderer(other) if !other.renderer.is_frozen())
     }
 
     /// The right side's picture for the whole window; none where the reference has no picture yet.

@@ -83,12 +83,12 @@ impl View {
             ViewAction::Home => self.flight.moved = None,
             ViewAction::StoreBookmark(number) => {
                 if let Some(own) = self.scene_camera() {
-                    self.flight.store(number, self.flight.camera(&own));
+                    self.flight.bookmarks.insert(number, self.flight.camera(&own));
                     self.interface.message = format!("camera stored as bookmark {}", number + 1);
                 }
             }
             ViewAction::GoToBookmark(number) => {
-                self.flight.moved = self.flight.bookmark(number).or(self.flight.moved);
+                self.flight.moved = self.flight.bookmarks.get(&number).copied().or(self.flight.moved);
             }
             ViewAction::SetCoarseness(pixels) => self.size.set_coarseness(pixels),
             ViewAction::Expose(stops) => self.expose(stops, press)?,

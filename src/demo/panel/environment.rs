@@ -56,10 +56,8 @@ fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, out: &mut Output) {
                 out.push(EditAction::EditEnvironment(entry.map(Box::new)));
             }
         }
-        out.on_click(
-            &ui.selectable_label(false, "map …").on_hover_text("or drop it on the window"),
-            AppAction::AskMap,
-        );
+        let label = ui.selectable_label(false, "map …").on_hover_text("or drop it on the window");
+        out.on_click(&label, AppAction::AskMap);
     });
 }
 

@@ -23,7 +23,7 @@ const SWITCHES: [(&str, &str, &str); 5] = [
 ];
 
 pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
-    let samples: Vec<&Sample> = shown.history.samples().collect();
+    let samples: Vec<&Sample> = shown.history.samples.iter().collect();
     if samples.is_empty() {
         return;
     }

@@ -146,10 +146,8 @@ fn window(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
     let combo = ComboBox::from_id_salt("device").selected_text(&current.name).width(210.0).truncate();
     combo.show_ui(ui, |ui| {
         for device in shown.gpu.devices.iter().filter(|device| device.unusable.is_none()) {
-            out.on_click(
-                &ui.selectable_label(device.index == current.index, &device.name),
-                AppAction::RestartDevice(Some(device.index)),
-            );
+            let label = ui.selectable_label(device.index == current.index, &device.name);
+            out.on_click(&label, AppAction::RestartDevice(Some(device.index)));
         }
     });
 }
