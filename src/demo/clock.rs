@@ -12,7 +12,7 @@ const LONGEST_PAUSE: f64 = 1.0;
 /// Time constant of automatic exposure, seconds: changes of light are seen, then evened out.
 const ADAPTATION: f64 = 0.15;
 
-/// How animation time advances.
+/// Pacing of animation time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FramePacing {

@@ -234,7 +234,7 @@ impl OpenWindow {
         self.screen.set_title(format!("{edited}{} - glowworm", session.name));
     }
 
-    /// Shows why a scene could not be built, and takes back the edits that wanted it.
+    /// Shows why a scene could not be built, and takes back the edits that asked for it.
     fn refuse(&mut self, error: DemoError) -> Result<(), DemoError> {
         if error.is_device_lost() {
             return Err(error);

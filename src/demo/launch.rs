@@ -19,7 +19,7 @@ pub struct Launch {
     pub device: Option<String>,
     /// Whether to enable the validation layer.
     pub validate: bool,
-    /// Folder of what is kept between starts.
+    /// Folder for files that outlive the program.
     pub cache: Option<PathBuf>,
     /// Whether to begin with the tour.
     pub tour: bool,

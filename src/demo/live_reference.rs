@@ -1,4 +1,4 @@
-//! The path tracer's picture of what stands still, which gets better in the background.
+//! The path tracer's picture of a stationary scene, which gets better in the background.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,7 +36,7 @@ pub(super) struct LiveReference {
     /// The world of the last frame.
     last: Option<Key>,
     run: Option<Run>,
-    /// How far it is; none before the first sample.
+    /// The picture so far; none before the first sample.
     pub progress: Option<Progress>,
     /// Counts pictures.
     pub version: u64,

@@ -1,4 +1,4 @@
-//! Another device while the window is open, because the last one was lost or another is wanted; the scene and its edits stay.
+//! Another device while the window is open, because the last one was lost or another is chosen; the scene and its edits stay.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -1,7 +1,8 @@
 //! The interactive window: navigate, edit and inspect a scene.
 //!
 //! In: a scene and settings, as for `render`. Out: a window, and a log of its events. The picture is the one that
-//! `render` draws.
+//! `render` draws. Events go to `input` or the panel, which answer with actions; each frame performs them: `perform` those of the
+//! window, `view` those of what is shown, `edit` those of the document.
 
 mod action;
 mod app;

@@ -68,7 +68,7 @@ pub(super) struct SessionState {
     saved: Option<Saved>,
 }
 
-/// How an edit takes effect.
+/// The way in which an edit takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
     /// The renderer goes on.

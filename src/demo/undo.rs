@@ -44,7 +44,7 @@ impl Press {
         }
     }
 
-    /// The frame has done what the press wanted.
+    /// Notes that the frame has executed the actions of the press.
     pub fn end_frame(&mut self) {
         self.is_down &= !self.is_released;
     }

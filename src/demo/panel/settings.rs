@@ -69,7 +69,7 @@ pub(super) fn row(ui: &mut Ui, setting: &Setting, settings: &mut Settings, defau
     });
 }
 
-/// The widget of a setting; writes what is chosen to `wanted`.
+/// The widget of a setting; writes the chosen value to `wanted`.
 fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut String) -> Response {
     // As fast as the number is large, but steps can be seen.
     let drag = |ui: &mut Ui, now: f64, [least, most]: [f64; 2], suffix: &str, wanted: &mut String| {

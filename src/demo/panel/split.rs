@@ -23,7 +23,7 @@ use crate::settings::{self, Settings};
 
 /// Half the width of the divider's grip, points.
 const GRIP: f32 = 6.0;
-/// How far below the bar the sides say what they are, points.
+/// Distance of the descriptions of both sides from the bar, points.
 const LABELS_AT: f32 = 8.0;
 /// Settings of the right side that can be chosen.
 const CHOICES: [&str; 7] =
