@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -242,7 +242,7 @@ const KNOW_VPLS: [&str; 7] = [
     "src/demo/inspector.rs",
     "src/demo/panel/vpls.rs",
     "src/demo/tour.rs",
-    "src/demo/views.rs",
+    "src/demo/view.rs",
 ];
 /// The room that only those of [`KNOW_VPLS`] know.
 const VPLS: &str = "estimators/vpls";
@@ -360,6 +360,51 @@ fn rooms_use_only_what_stands_below_them() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The files of a room that each file imports from, by `crate::` or `super::`.
+fn imports_within_rooms() -> BTreeMap<String, BTreeSet<String>> {
+    let files: BTreeMap<String, PathBuf> =
+        rust_files("src").into_iter().map(|file| (module_of(&file), file)).collect();
+    let file_of = |path: &str| {
+        let ends = path.match_indices('/').map(|(at, _)| at).chain([path.len()]);
+        ends.map(|end| &path[..end])
+            .filter(|module| files.contains_key(*module))
+            .next_back()
+            .map(str::to_owned)
+    };
+    let imports = |(module, file): (&String, &PathBuf)| {
+        let paths = paths_in(&fs::read_to_string(file).unwrap(), module);
+        let used = paths.iter().filter_map(|path| file_of(path));
+        let used = used.filter(|used| used != module && room_of(used) == room_of(module));
+        (module.clone(), used.collect())
+    };
+    files.iter().map(imports).collect()
+}
+
+#[test]
+fn no_files_of_a_room_import_each_other_in_a_circle() {
+    // Take files away that import none of those left: they are on no circle.
+    let mut left = imports_within_rooms();
+    loop {
+        let free = |used: &BTreeSet<String>| !used.iter().any(|file| left.contains_key(file));
+        let done: Vec<String> =
+            left.iter().filter(|(_, used)| free(used)).map(|(file, _)| file.clone()).collect();
+        if done.is_empty() {
+            break;
+        }
+        done.iter().for_each(|file| drop(left.remove(file)));
+    }
+    // A circle is left, with the files above it.
+    let waits: Vec<String> = left
+        .iter()
+        .map(|(file, used)| {
+            let used: Vec<&str> =
+                used.iter().filter(|used| left.contains_key(*used)).map(String::as_str).collect();
+            format!("{file} imports {}", used.join(", "))
+        })
+        .collect();
+    assert!(waits.is_empty(), "on a circle of imports, or above one:\n{}", waits.join("\n"));
 }
 
 #[test]

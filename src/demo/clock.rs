@@ -12,14 +12,14 @@ const LONGEST_PAUSE: f64 = 1.0;
 /// Time constant of automatic exposure, seconds: changes of light are seen, then evened out.
 const ADAPTATION: f64 = 0.15;
 
-/// How animation time advances.
+/// Pacing of animation time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Pace {
-    /// With real time.
+pub enum FramePacing {
+    /// It follows real time.
     #[default]
     RealTime,
-    /// By the setting `time_step` per frame.
+    /// Each frame adds the setting `time_step`.
     Steps,
 }
 
@@ -28,19 +28,15 @@ pub(super) struct Clock {
     /// Seconds.
     pub time: f64,
     pub paused: bool,
-    pub pace: Pace,
-    last_frame: Instant,
+    pub pacing: FramePacing,
+    /// When the last frame started.
+    pub last_frame: Instant,
     interval: Duration,
 }
 
 impl Clock {
-    pub fn new(pace: Pace) -> Self {
-        Self { time: 0.0, paused: false, pace, last_frame: Instant::now(), interval: Duration::ZERO }
-    }
-
-    /// When the last frame started.
-    pub fn last_frame(&self) -> Instant {
-        self.last_frame
+    pub fn new(pacing: FramePacing) -> Self {
+        Self { time: 0.0, paused: false, pacing, last_frame: Instant::now(), interval: Duration::ZERO }
     }
 
     /// Starts a frame in which nothing goes on.
@@ -54,9 +50,9 @@ impl Clock {
         self.interval = now - self.last_frame;
         self.last_frame = now;
         if !self.paused {
-            self.time += match self.pace {
-                Pace::RealTime => self.interval.as_secs_f64().min(LONGEST_PAUSE),
-                Pace::Steps => step,
+            self.time += match self.pacing {
+                FramePacing::RealTime => self.interval.as_secs_f64().min(LONGEST_PAUSE),
+                FramePacing::Steps => step,
             };
         }
     }

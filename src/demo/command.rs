@@ -2,28 +2,24 @@
 
 use std::path::PathBuf;
 
-use super::action::Action;
-use super::app::Open;
 use super::clock::Clock;
-use super::screenshot::free_name;
+use super::saving::free_name;
 use super::session::Session;
+use super::view::View;
 
-impl Open {
-    /// The command line that renders the current scene. If the scene was edited or the camera moved, it is first
-    /// saved to a new file.
-    pub(super) fn command(&mut self) -> Option<String> {
-        let session = self.session.as_ref()?;
-        let camera_moved = self.flight.has_moved();
-        let stem = format!("glowworm-{}", session.live_scene.name);
-        let saved = session.saved.as_ref().filter(|saved| saved.is_current(session));
-        let mut scene = saved.map_or(session.name.clone(), |saved| saved.path.to_string_lossy().into_owned());
-        if session.headlamp.is_some() || saved.is_none() && (session.is_edited() || camera_moved) {
-            let path: PathBuf = free_name(&stem, ".toml").ok()?;
-            scene = path.to_string_lossy().into_owned();
-            self.actions.push(Action::Save(path));
-        }
-        Some(command_line(session, &scene, &self.clock))
+/// The command line that renders the current scene. If the scene was edited or the camera moved, it is first to be saved to a new file,
+/// which comes second.
+pub(super) fn command(view: &View) -> Option<(String, Option<PathBuf>)> {
+    let session = view.session.as_ref()?;
+    let saved =
+        session.saved.as_ref().filter(|saved| !session.is_edited() && saved.camera == session.pose.camera);
+    let scene = saved.map_or(session.name.clone(), |saved| saved.path.to_string_lossy().into_owned());
+    let differs = saved.is_none() && (session.is_edited() || view.flight.moved.is_some());
+    if session.headlamp.is_none() && !differs {
+        return Some((command_line(session, &scene, &view.clock), None));
     }
+    let path = free_name(&format!("glowworm-{}", session.live_scene.name), ".toml").ok()?;
+    Some((command_line(session, &path.to_string_lossy(), &view.clock), Some(path)))
 }
 
 /// Renders as many frames as a picture takes to come to rest; all of them at one time if the animation is paused.

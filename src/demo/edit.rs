@@ -1,115 +1,126 @@
-//! Edits of the current scene; default lights.
+//! Edits of the document and the settings, with what they select; default lights.
 
 use std::path::PathBuf;
 
 use glam::Vec3;
-use serde::Serialize;
 
-use super::action::Action;
-use super::session::{Change, Selected, Session, label};
-use crate::formats::{
-    AnimationEntry, EnvironmentEntry, InstanceEntry, LightEntry, MaterialEdit, ModelSource, Primitive,
-    ScaleEntry, SceneError,
-};
+use super::action::{EditAction, Entry, NewObject, Selected};
+use super::error::DemoError;
+use super::selection::label;
+use super::session::{Change, Session};
+use super::transform::{carry, moved_instance, moved_light};
+use super::undo::Press;
+use super::view::View;
+use crate::formats::{EnvironmentEntry, InstanceEntry, LightEntry, ModelSource, ScaleEntry, SceneError};
 use crate::scene::LightType;
+use crate::settings::Settings;
 
 /// Warm white.
 const WHITE: Vec3 = Vec3::new(1.0, 0.93, 0.82);
 /// Edge length or radius of a new shape, radii of the scene.
 const SHAPE: f32 = 0.08;
 
-/// How far apart new things stand, radii of the scene.
+/// Distance between new objects, radii of the scene.
 const APART: f32 = 0.1;
 
-/// An object to add.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum NewObject {
-    /// Another instance of this model.
-    Model(String),
-    /// A shape with a material of its own.
-    Shape(Primitive),
-    /// A model's file.
-    File(PathBuf),
-}
-
-/// An instance or a light of the document.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Entry {
-    Instance(usize, InstanceEntry),
-    Light(usize, LightEntry),
-}
-
-impl Entry {
-    pub fn animation(&mut self) -> &mut Option<AnimationEntry> {
-        match self {
-            Self::Instance(_, entry) => &mut entry.animation,
-            Self::Light(_, entry) => &mut entry.animation,
+impl View {
+    /// Executes an edit; all edits of one press are one step that can be taken back.
+    ///
+    /// # Errors
+    /// Nothing has changed, or the device is lost.
+    pub fn edit(&mut self, action: EditAction, press: Press) -> Result<Change, DemoError> {
+        match action {
+            EditAction::Set(settings) => self.set(&settings, Some(press)).map(|()| Change::Live),
+            EditAction::Undo => self.take_step(true),
+            EditAction::Redo => self.take_step(false),
+            EditAction::Handles(mode) => {
+                self.handles = mode.unwrap_or(self.handles.next());
+                Ok(Change::Live)
+            }
+            EditAction::Select(selected) => {
+                if let Some(session) = &mut self.session {
+                    session.selected = selected;
+                }
+                self.inspector.choose(None);
+                Ok(Change::Live)
+            }
+            EditAction::EditLight(index, entry) => {
+                self.step(press, |session| session.set_light(index, *entry))
+            }
+            EditAction::EditInstance(index, entry) => {
+                self.step(press, |session| session.set_instance(index, *entry))
+            }
+            EditAction::EditMaterial(edit) => {
+                self.step(press, |session| session.edit(|document| document.set_material(*edit)))
+            }
+            EditAction::EditEnvironment(entry) => {
+                self.step(press, |session| session.set_environment(entry.map(|entry| *entry)))
+            }
+            EditAction::OpenMap(path) => {
+                self.interface.error = None;
+                self.step(press, |session| session.set_map(path))
+            }
+            EditAction::AddLight(kind) => {
+                self.step(press, |session| session.add_light(new_light(session, kind)))
+            }
+            EditAction::AddObject(object) => self.step(press, |session| session.add_object(object)),
+            EditAction::Duplicate => self.step(press, Session::duplicate),
+            EditAction::Delete => self.step(press, Session::delete),
+            EditAction::ToggleHeadlamp => self.step(press, Session::toggle_headlamp),
         }
     }
 
-    /// The edit that changes the document to it.
-    pub fn edit(self) -> Action {
-        match self {
-            Self::Instance(index, entry) => Action::EditInstance(index, Box::new(entry)),
-            Self::Light(index, entry) => Action::EditLight(index, Box::new(entry)),
+    fn step(
+        &mut self,
+        press: Press,
+        edit: impl FnOnce(&mut Session) -> Result<Change, SceneError>,
+    ) -> Result<Change, DemoError> {
+        let Some(session) = &mut self.session else { return Ok(Change::Live) };
+        Ok(session.step(press, edit)?)
+    }
+
+    /// Goes to the state before or after the current one; the window keeps its size.
+    fn take_step(&mut self, is_back: bool) -> Result<Change, DemoError> {
+        let Some(session) = &mut self.session else { return Ok(Change::Live) };
+        let now = session.state();
+        let Some(state) = session.undo.step(is_back, now) else { return Ok(Change::Live) };
+        let settings = Settings { size: session.settings.size, ..state.settings.clone() };
+        let change = session.go_to(&state);
+        if settings != session.settings {
+            self.set(&settings, None)?;
         }
+        Ok(change?)
     }
 }
 
 /// Edits of the document. One that is invalid is an error and changes nothing.
 impl Session {
-    /// An entry as it is.
-    pub fn entry(&self, of: Selected) -> Option<Entry> {
-        Some(match of {
-            Selected::Instance(index) => {
-                Entry::Instance(index, self.document.instances().nth(index)?.clone())
-            }
-            Selected::Light(index) => Entry::Light(index, self.document.lights().nth(index)?.clone()),
-        })
-    }
-
     /// Changes a light of the document to `entry`.
-    pub fn set_light(&mut self, index: usize, entry: LightEntry) -> Result<Change, SceneError> {
+    fn set_light(&mut self, index: usize, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
-        self.edit(|document| {
-            if let Some(light) = document.light_mut(index) {
-                *light = entry;
-            }
-            Ok(())
-        })
+        self.replace(entry, |document| document.light_mut(index))
     }
 
     /// Changes an instance of the document to `entry`.
-    pub fn set_instance(&mut self, index: usize, entry: InstanceEntry) -> Result<Change, SceneError> {
+    fn set_instance(&mut self, index: usize, entry: InstanceEntry) -> Result<Change, SceneError> {
         self.document.placement(&entry)?;
-        self.edit(|document| {
-            if let Some(instance) = document.instance_mut(index) {
-                *instance = entry;
-            }
-            Ok(())
-        })
-    }
-
-    /// Changes the materials of a name.
-    pub fn set_material(&mut self, edit: MaterialEdit) -> Result<Change, SceneError> {
-        self.edit(|document| document.set_material(edit))
+        self.replace(entry, |document| document.instance_mut(index))
     }
 
     /// Changes the environment, or takes it away.
-    pub fn set_environment(&mut self, environment: Option<EnvironmentEntry>) -> Result<Change, SceneError> {
+    fn set_environment(&mut self, environment: Option<EnvironmentEntry>) -> Result<Change, SceneError> {
         self.edit(|document| document.set_environment(environment))
     }
 
     /// Uses a file as the map of the environment; brightness and rotation stay.
-    pub fn set_map(&mut self, map: PathBuf) -> Result<Change, SceneError> {
+    fn set_map(&mut self, map: PathBuf) -> Result<Change, SceneError> {
         let now = self.document.environment().filter(|now| now.has_map()).cloned().unwrap_or_default();
         let map = EnvironmentEntry { asset: None, download: None, builtin: None, map: Some(map), ..now };
         self.set_environment(Some(map))
     }
 
     /// Adds a light and selects it.
-    pub fn add_light(&mut self, entry: LightEntry) -> Result<Change, SceneError> {
+    fn add_light(&mut self, entry: LightEntry) -> Result<Change, SceneError> {
         self.document.light(&entry)?;
         let change = self.edit(|document| {
             document.add_light(entry);
@@ -119,22 +130,8 @@ impl Session {
         Ok(change)
     }
 
-    /// Removes a light.
-    pub fn remove_light(&mut self, index: usize) -> Result<Change, SceneError> {
-        self.selected = None;
-        self.headlamp = match self.headlamp {
-            Some(light) if light == index => None,
-            Some(light) if light > index => Some(light - 1),
-            light => light,
-        };
-        self.edit(|document| {
-            document.remove_light(index);
-            Ok(())
-        })
-    }
-
     /// Adds an object in view of the camera and selects it; the file of a model is read when the scene is built.
-    pub fn add_object(&mut self, object: NewObject) -> Result<Change, SceneError> {
+    fn add_object(&mut self, object: NewObject) -> Result<Change, SceneError> {
         let place = Some(place_in_view(self).to_array());
         let size = SHAPE * self.radius;
         let before = self.document.clone();
@@ -160,7 +157,7 @@ impl Session {
     }
 
     /// Adds an instance and selects it.
-    pub fn add_instance(&mut self, entry: InstanceEntry) -> Result<Change, SceneError> {
+    fn add_instance(&mut self, entry: InstanceEntry) -> Result<Change, SceneError> {
         self.document.placement(&entry)?;
         let change = self.edit(|document| {
             document.add_instance(entry);
@@ -170,17 +167,61 @@ impl Session {
         Ok(change)
     }
 
-    /// Removes an instance.
-    pub fn remove_instance(&mut self, index: usize) -> Result<Change, SceneError> {
-        self.selected = None;
-        self.edit(|document| {
-            document.remove_instance(index);
-            Ok(())
-        })
+    /// Deletes the selected entry.
+    fn delete(&mut self) -> Result<Change, SceneError> {
+        match self.selected.take() {
+            Some(Selected::Light(index)) => {
+                self.headlamp = match self.headlamp {
+                    Some(light) if light == index => None,
+                    Some(light) if light > index => Some(light - 1),
+                    light => light,
+                };
+                self.edit(|document| {
+                    document.remove_light(index);
+                    Ok(())
+                })
+            }
+            Some(Selected::Instance(index)) => self.edit(|document| {
+                document.remove_instance(index);
+                Ok(())
+            }),
+            None => Ok(Change::Live),
+        }
+    }
+
+    /// Duplicates the selected entry.
+    fn duplicate(&mut self) -> Result<Change, SceneError> {
+        let place = self.selected.and_then(|selected| self.place_of(selected)).unwrap_or_default();
+        let way = free_place(self, place) - place;
+        match self.selected.and_then(|selected| self.entry(selected)) {
+            Some(Entry::Light(_, light)) => {
+                let name = light.name.as_ref().map(|name| format!("{name} copy"));
+                self.add_light(moved_light(&LightEntry { name, ..light }, way))
+            }
+            Some(Entry::Instance(_, instance)) => {
+                let name = Some(free_name(self, instance.shown_name()));
+                self.add_instance(moved_instance(&InstanceEntry { name, ..instance }, way))
+            }
+            None => Ok(Change::Live),
+        }
+    }
+
+    /// Attaches the selected light to the camera, or detaches the one that is attached.
+    fn toggle_headlamp(&mut self) -> Result<Change, SceneError> {
+        if let Some(index) = self.headlamp.take() {
+            let Some(light) = self.document.lights().nth(index) else { return Ok(Change::Live) };
+            let mut light = light.clone();
+            carry(&mut light, &self.pose.camera);
+            return self.set_light(index, light);
+        }
+        if let Some(Selected::Light(index)) = self.selected {
+            self.headlamp = Some(index);
+        }
+        Ok(Change::Live)
     }
 }
 
-/// A place before what is in the middle of the picture.
+/// A place before the surface in the middle of the picture.
 fn place_in_view(session: &Session) -> Vec3 {
     let camera = &session.pose.camera;
     let distance =
@@ -189,7 +230,7 @@ fn place_in_view(session: &Session) -> Vec3 {
 }
 
 /// `place`, or one to the right of it where nothing stands yet.
-pub(super) fn free_place(session: &Session, mut place: Vec3) -> Vec3 {
+fn free_place(session: &Session, mut place: Vec3) -> Vec3 {
     let lights = (0..session.document.lights().len()).map(Selected::Light);
     let all = lights.chain((0..session.document.instances().len()).map(Selected::Instance));
     let taken: Vec<Vec3> = all.filter_map(|known| session.place_of(known)).collect();
@@ -202,7 +243,7 @@ pub(super) fn free_place(session: &Session, mut place: Vec3) -> Vec3 {
 }
 
 /// `name`, with as many times " copy" as make it a name that no instance has.
-pub(super) fn free_name(session: &Session, name: &str) -> String {
+fn free_name(session: &Session, name: &str) -> String {
     let instances = || session.document.instances();
     let mut name = name.to_owned();
     while instances().any(|known| *known.name.as_ref().unwrap_or(&known.model) == name) {
@@ -212,7 +253,7 @@ pub(super) fn free_name(session: &Session, name: &str) -> String {
 }
 
 /// A light of this kind in view of the camera, with a power that suits the scene's size.
-pub(super) fn new_light(session: &Session, kind: LightType) -> LightEntry {
+fn new_light(session: &Session, kind: LightType) -> LightEntry {
     let camera = &session.pose.camera;
     let place = place_in_view(session);
     // An irradiance of pi at a third of the scene's radius.

@@ -24,7 +24,7 @@ pub(super) struct FilePicture {
     pub shot: Arc<Shot>,
     /// Counts the pictures that were shown.
     pub version: u64,
-    /// The same for other tones or another size, while it is being made.
+    /// The next picture, for other tones or another size, while it is being made.
     next: Option<JoinHandle<(ShownFor, Shot)>>,
 }
 

@@ -1,5 +1,7 @@
 //! Camera controller: fly, look, orbit, bookmarks.
 
+use std::collections::BTreeMap;
+
 use glam::{Quat, Vec3};
 use winit::keyboard::KeyCode;
 
@@ -20,9 +22,9 @@ const FASTEST_WALK: f32 = 0.2;
 
 /// State of the camera controller.
 pub(super) struct Flight {
-    /// None: the scene's own camera, which may be animated.
-    moved: Option<Camera>,
-    bookmarks: [Option<Camera>; 9],
+    /// Where the user moved the camera; none: the scene's own camera, which may be animated.
+    pub moved: Option<Camera>,
+    pub bookmarks: BTreeMap<usize, Camera>,
     /// Speed, scene units per second.
     pub speed: f32,
     metres_per_unit: Option<f32>,
@@ -35,7 +37,14 @@ impl Flight {
     pub fn new(radius: f32, metres_per_unit: Option<f32>) -> Self {
         let walk = metres_per_unit.map_or(f32::INFINITY, |metres| WALK / metres);
         let speed = walk.min(FASTEST_WALK * radius);
-        Self { moved: None, bookmarks: [None; 9], speed, metres_per_unit, held: Vec::new(), running: false }
+        Self {
+            moved: None,
+            bookmarks: BTreeMap::new(),
+            speed,
+            metres_per_unit,
+            held: Vec::new(),
+            running: false,
+        }
     }
 
     /// The speed, to be read.
@@ -49,38 +58,6 @@ impl Flight {
     /// The camera to draw with, given the scene's own.
     pub fn camera(&self, own: &Camera) -> Camera {
         self.moved.unwrap_or(*own)
-    }
-
-    /// Whether the user moved the camera.
-    pub fn has_moved(&self) -> bool {
-        self.moved.is_some()
-    }
-
-    /// Where the user moved the camera.
-    pub fn moved(&self) -> Option<Camera> {
-        self.moved
-    }
-
-    /// Resets to the scene's camera.
-    pub fn home(&mut self) {
-        self.moved = None;
-    }
-
-    /// Sets the camera.
-    pub fn go_to(&mut self, camera: Camera) {
-        self.moved = Some(camera);
-    }
-
-    /// Stores `camera` as a bookmark.
-    pub fn store(&mut self, number: usize, camera: Camera) {
-        if let Some(bookmark) = self.bookmarks.get_mut(number) {
-            *bookmark = Some(camera);
-        }
-    }
-
-    /// A bookmarked camera.
-    pub fn bookmark(&self, number: usize) -> Option<Camera> {
-        self.bookmarks.get(number).copied().flatten()
     }
 
     /// Handles a key press or release.
@@ -230,7 +207,7 @@ mod tests {
         flight.release();
         flight.advance(&own, 0.5);
         assert!((flight.camera(&own).eye.z - 3.0).abs() < 1e-5);
-        flight.home();
+        flight.moved = None;
         assert_eq!(flight.camera(&own), own);
     }
 }

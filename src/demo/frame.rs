@@ -4,17 +4,19 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::action::Action;
-use super::app::{App, Open};
+use super::action::{Action, AppAction, EditAction};
+use super::app::{App, OpenWindow};
+use super::compare::Row;
+use super::error::DemoError;
 use super::flight::Flight;
-use super::history::Sample;
+use super::history::{History, Sample};
+use super::launch::Launch;
 use super::loader::Built;
-use super::panel::{self, Shown};
-use super::recorder::Recorder;
-use super::recorder::Recording;
-use super::screenshot::Saving;
-use super::session::{Change, Session};
-use super::{DemoError, Launch};
+use super::panel::Shown;
+use super::recorder::{Recorder, Recording};
+use super::session::Session;
+use super::view::View;
+use crate::settings::Settings;
 use crate::vulkan::{Pane, Presented, UiDrawing};
 
 impl App {
@@ -22,65 +24,71 @@ impl App {
         self.take_built()?;
         self.take_saved();
         let Some(open) = &mut self.open else { return Ok(()) };
-        open.take_picture();
+        open.view.take_picture();
         if let Some(rows) = open.follow_comparison() {
             self.log.event("compared", rows);
         }
         open.follow_size();
-        let step = open.session.as_ref().map_or(0.0, |session| session.settings.time_step);
+        let step = open.view.session.as_ref().map_or(0.0, |session| session.settings.time_step);
         if open.is_measuring() {
-            open.clock.hold()
+            open.view.clock.hold();
         } else {
-            open.clock.tick(step)
+            open.view.clock.tick(step);
         }
-        open.follow_rate();
-        open.fly();
+        open.view.follow_rate(open.is_busy(), open.screen.refresh_rate());
+        // Move the camera by the held keys.
+        if let Some(own) = open.view.scene_camera() {
+            open.view.flight.running = open.input.modifiers.shift_key();
+            open.view.flight.advance(&own, open.view.clock.seconds() as f32);
+        }
         if let Some(stop) = open.follow_tour(&self.launch)? {
             self.log.event("tour-stop", stop);
         }
-        open.drag_handle();
+        open.actions.extend(open.input.dragged(&open.view, &open.screen));
         let started = Instant::now();
         let (primitives, pixels_per_point) = open.run_panel(&self.launch);
         let ui_cpu_ms = started.elapsed().as_secs_f64() * 1e3;
-        let asked = open.panel.pending.clone();
+        let asked = open.view.interface.pending.clone();
         self.perform_all()?;
         let Some(open) = &mut self.open else { return Ok(()) };
-        open.press.end_frame();
+        open.input.press.end_frame();
         open.name_window();
-        if let Some(pending) = open.panel.pending.clone().filter(|pending| asked.as_ref() != Some(pending)) {
+        if let Some(pending) = open.view.interface.pending.as_ref().filter(|now| asked.as_ref() != Some(now))
+        {
             self.log.event("unsaved", pending);
         }
-        if open.places != open.panel.places {
-            open.places.clone_from(&open.panel.places);
-            self.log.event("layout", &open.places);
+        if let Some(layout) = open.screen.take_layout() {
+            self.log.event("layout", layout);
         }
         open.draw_session()?;
-        if let Some(split) = &mut open.split
+        if let Some(split) = &mut open.view.split
             && let Some(metrics) = split.take_log()
         {
             self.log.event("metrics", metrics);
         }
-        let drawing =
-            UiDrawing { primitives, textures: std::mem::take(&mut open.textures), pixels_per_point };
-        let panes = match (&open.session, &open.split) {
+        let textures = std::mem::take(&mut open.screen.textures);
+        let drawing = UiDrawing { primitives, textures, pixels_per_point };
+        let panes = match (&open.view.session, &open.view.split) {
             (Some(session), Some(split)) => split.panes(session),
             (Some(session), None) => {
                 vec![Pane { picture: session.renderer.display(), columns: [0.0, 1.0] }]
             }
             (None, _) => Vec::new(),
         };
-        open.window.pre_present_notify();
-        let presented = open.gpu.presenter.present(&panes, open.viewport(), &drawing)?;
-        open.count_announced();
+        open.screen.window.pre_present_notify();
+        let viewport = open.screen.viewport(&open.view.interface);
+        let presented = open.gpu.presenter.present(&panes, viewport, &drawing)?;
+        open.view.interface.count_announced();
         if presented == Presented::Skipped {
-            open.textures.append(drawing.textures);
+            open.screen.textures.append(drawing.textures);
             return Ok(());
         }
+        let session = open.view.session.as_ref();
         let sample = Sample {
-            interval_ms: open.clock.interval_ms(),
+            interval_ms: open.view.clock.interval_ms(),
             ui_cpu_ms,
             ui_device_ms: open.gpu.presenter.ui_ms(),
-            report: open.session.as_ref().map(|session| session.report.clone()).unwrap_or_default(),
+            report: session.map(|session| session.report.clone()).unwrap_or_default(),
         };
         self.log.shown(&sample);
         if !open.is_measuring() {
@@ -110,7 +118,7 @@ impl App {
                 open.switch_to(built)?;
             }
             // Without any scene this is fatal.
-            Some(Err(error)) if open.session.is_none() => return Err(error),
+            Some(Err(error)) if open.view.session.is_none() => return Err(error),
             Some(Err(error)) => {
                 self.log.event("scene-failed", error.to_string());
                 open.refuse(error)?;
@@ -120,82 +128,77 @@ impl App {
     }
 }
 
-impl App {
-    /// Reports finished file writes.
-    pub(super) fn take_saved(&mut self) {
-        let Some(open) = &mut self.open else { return };
-        let (done, waiting) = std::mem::take(&mut open.saving).into_iter().partition(Saving::is_done);
-        open.saving = waiting;
-        for mut saving in done {
-            let scene = saving.scene.take();
-            match saving.finish() {
-                Ok(path) => {
-                    // One that could not be written is not saved.
-                    if let (Some(scene), Some(session)) = (scene, &mut open.session)
-                        && scene.name == session.name
-                    {
-                        (session.saved_edits, session.saved) = (scene.edits, Some(scene.saved));
-                    }
-                    self.log.event("saved", &path);
-                    open.panel.message = format!("saved {}", path.display());
-                }
-                Err(error) => {
-                    self.log.event("not-saved", &error);
-                    open.panel.error = Some(error);
-                }
-            }
+impl OpenWindow {
+    /// Takes in the runs measured meanwhile; returns the rows of a comparison that is done, once.
+    fn follow_comparison(&mut self) -> Option<Vec<Row>> {
+        let comparison = self.comparison.as_mut().filter(|comparison| comparison.bench.is_running())?;
+        if let Err(error) = comparison.follow() {
+            self.view.interface.error = Some(error.to_string());
+            self.comparison = None;
+            return None;
+        }
+        (!comparison.bench.is_running()).then(|| comparison.rows.clone())
+    }
+
+    /// Resizes the presenter at once, and the picture some time after the last change.
+    fn follow_size(&mut self) {
+        let window = self.screen.window.inner_size();
+        self.gpu.presenter.resize([window.width, window.height]);
+        let viewport = self.screen.viewport(&self.view.interface);
+        self.view.size.follow(viewport);
+        if self.is_measuring() || self.view.interface.has_waiting() {
+            return;
+        }
+        if let (Some(size), Some(session)) = (self.view.size.take_due(), &self.view.session)
+            && session.settings.size != size
+        {
+            let settings = Settings { size, ..session.settings.clone() };
+            self.actions.push(EditAction::Set(Box::new(settings)));
         }
     }
-}
 
-impl Open {
     /// Goes on with a loaded scene, or the current one with a rebuilt renderer.
     fn switch_to(&mut self, built: Built) -> Result<(), DemoError> {
         if self.is_measuring() || !built.same {
             self.comparison = None;
         }
-        match &mut self.session {
+        match &mut self.view.session {
             Some(session) if built.same && session.name == built.name => {
                 let view = session.renderer.view().clone();
-                let wanted = session.settings.clone();
-                let reuses_renderer = built.renderer.is_none();
+                let requested = session.settings.clone();
+                let is_rebuilt = built.renderer.is_some();
                 let change = match session.renew(built) {
                     Ok(change) => change,
                     Err(error) => return self.refuse(error),
                 };
-                if reuses_renderer {
-                    if let Recording::On(recorder) = &mut self.recording {
-                        recorder.edited(session);
+                match &mut self.view.recording {
+                    Recording::On(recorder) => recorder.note_change(session, is_rebuilt),
+                    waiting @ Recording::Waiting if is_rebuilt => {
+                        *waiting = Recording::On(Box::new(Recorder::new(session)));
                     }
-                    // Later edits may need another one.
-                    if change == Change::Rebuild {
-                        self.rebuild();
+                    Recording::Waiting | Recording::Off => {}
+                }
+                if is_rebuilt {
+                    session.renderer.set_view(&view)?;
+                    // The new renderer counts its frames anew.
+                    if let Some(split) = &mut self.view.split {
+                        split.metrics.forget();
                     }
+                    if session.settings != requested {
+                        self.actions.push(EditAction::Set(Box::new(requested)));
+                    }
+                }
+                // Edits made meanwhile may need another build.
+                self.take(change);
+                if !is_rebuilt {
                     return Ok(());
-                }
-                session.renderer.set_view(&view)?;
-                // The new renderer counts its frames anew.
-                if let Some(split) = &mut self.split {
-                    split.metrics.forget();
-                }
-                match &mut self.recording {
-                    Recording::On(recorder) => recorder.renewed(session),
-                    Recording::Waiting => self.recording = Recording::On(Box::new(Recorder::new(session))),
-                    Recording::Off => {}
-                }
-                if session.settings != wanted {
-                    self.actions.push(Action::Set(Box::new(wanted)));
-                }
-                // Edits made meanwhile may need another rebuild.
-                if change == Change::Rebuild {
-                    self.rebuild();
                 }
             }
             _ => {
                 // An edit of a scene that is no longer shown.
                 let Some(mut session) = Session::new(built) else { return Ok(()) };
-                if let Some(kept) = self.kept.take() {
-                    session.restore(kept)?;
+                if let Some(state) = self.state.take() {
+                    session.restore(state)?;
                 } else {
                     let warnings = session.renderer.warnings().into_iter();
                     session
@@ -203,130 +206,81 @@ impl Open {
                         .warnings
                         .extend(warnings.map(|warning| format!("{}: {warning}", session.live_scene.name)));
                     session.live_scene.warnings.iter().for_each(|warning| log::warn!("{warning}"));
-                    self.panel.message = session.live_scene.warnings.join("; ");
-                    self.flight = Flight::new(session.radius, session.live_scene.metres_per_unit);
-                    self.clock.time = 0.0;
+                    self.view.interface.message = session.live_scene.warnings.join("; ");
+                    self.view.flight = Flight::new(session.radius, session.live_scene.metres_per_unit);
+                    self.view.clock.time = 0.0;
                 }
-                (self.split, self.reading) = (None, None);
-                self.panel.hidden &= self.tour.take().is_none();
-                self.session = Some(session);
-                self.inspector.forget();
+                (self.view.split, self.view.reading) = (None, None);
+                self.view.interface.hidden &= self.tour.take().is_none();
+                self.view.session = Some(session);
+                self.view.inspector.choose(None);
                 // A recording covers one scene.
-                if !matches!(self.recording, Recording::Off) {
-                    self.actions.push(Action::ToggleRecording);
+                if !matches!(self.view.recording, Recording::Off) {
+                    self.actions.push(AppAction::ToggleRecording);
                 }
             }
         }
-        self.history.clear();
-        self.resolution.forget();
+        self.history = History::default();
+        self.view.size.resolution.forget();
         // The window may have been resized meanwhile.
-        self.resized = Some(Instant::now());
+        self.view.size.change();
         Ok(())
     }
 
     /// Names the scene in the window's title, with an asterisk while it has unsaved edits.
     fn name_window(&mut self) {
-        let Some(session) = &self.session else { return };
+        let Some(session) = &self.view.session else { return };
         let edited = if session.is_edited() { "*" } else { "" };
-        let title = format!("{edited}{} - glowworm", session.name);
-        if self.title != title {
-            self.window.set_title(&title);
-            self.title = title;
-        }
+        self.screen.set_title(format!("{edited}{} - glowworm", session.name));
     }
 
-    /// Shows why a scene could not be built, and takes back the edits that wanted it.
+    /// Shows why a scene could not be built, and takes back the edits that asked for it.
     fn refuse(&mut self, error: DemoError) -> Result<(), DemoError> {
         if error.is_device_lost() {
             return Err(error);
         }
-        self.panel.error = Some(error.to_string());
-        self.session.as_mut().map_or(Ok(()), Session::revert)?;
+        self.view.interface.error = Some(error.to_string());
+        self.view.session.as_mut().map_or(Ok(()), Session::revert)?;
         Ok(())
     }
 
-    /// Goes on with the tour; the caption of a stop that begins.
-    fn follow_tour(&mut self, launch: &Launch) -> Result<Option<&'static str>, DemoError> {
-        if self.session.is_some() && std::mem::take(&mut self.tour_waits) {
-            self.toggle_tour(launch.contact_sheet.clone())?;
-        }
-        if self.has_waiting() {
-            return Ok(None);
-        }
-        let (Some(session), Some(tour)) = (&self.session, &mut self.tour) else { return Ok(None) };
-        let own = session.live_scene.pose(self.clock.time).camera;
-        let seconds = self.clock.interval_ms() * 1e-3;
-        let Some(frame) = tour.advance(seconds, &own, session, self.split.as_ref())? else {
-            self.end_tour()?;
-            return Ok(None);
-        };
-        let caption = frame.begins.then(|| tour.caption());
-        self.flight.go_to(frame.camera);
-        self.actions.extend(frame.actions);
-        Ok(caption)
-    }
-
-    /// Moves the camera by the held keys.
-    fn fly(&mut self) {
-        let Some(session) = &self.session else { return };
-        let own = session.live_scene.pose(self.clock.time).camera;
-        self.flight.running = self.modifiers.shift_key();
-        self.flight.advance(&own, self.clock.seconds() as f32);
-    }
-
     fn run_panel(&mut self, launch: &Launch) -> (Vec<egui::ClippedPrimitive>, f32) {
-        let input = self.egui.take_egui_input(&self.window);
-        let context = self.egui.egui_ctx().clone();
-        let mut actions = Vec::new();
-        let output = context.run_ui(input, |ui| {
-            let mut shown =
-                Shown {
-                    session: self.session.as_ref(),
-                    split: self.split.as_ref(),
-                    comparison: self.comparison.as_ref(),
-                    caption: self.tour.as_ref().zip(self.session.as_ref()).map(|(tour, session)| {
-                        tour.said(session, self.split.as_ref(), self.comparison.as_ref())
-                    }),
-                    assets: launch.assets.as_deref(),
-                    clock: &mut self.clock,
-                    history: &self.history,
-                    loader: &self.loader,
-                    gpu: &self.gpu,
-                    resolution: &self.resolution,
-                    recording: &self.recording,
-                    inspector: &self.inspector,
-                    mode: self.mode,
-                };
-            actions.extend(panel::draw(ui, &mut self.panel, &mut shown));
-        });
-        if self.has_waiting() {
-            actions.retain(|action| !matches!(action, Action::Set(_)));
+        let (view, comparison) = (&self.view, self.comparison.as_ref());
+        let caption = self.tour.as_ref().zip(view.session.as_ref());
+        let caption = caption.map(|(tour, session)| tour.said(session, view.split.as_ref(), comparison));
+        let assets = launch.assets.as_deref();
+        let (history, loader, gpu) = (&self.history, &self.loader, &self.gpu);
+        let shown = Shown { view, comparison, caption, assets, history, loader, gpu };
+        let (mut actions, primitives, scale) = self.screen.run_panel(&shown);
+        if view.interface.has_waiting() {
+            actions.0.retain(|action| !matches!(action, Action::Edit(EditAction::Set(_))));
         }
-        self.actions.extend(actions);
-        self.egui.handle_platform_output(&self.window, output.platform_output);
-        self.textures.append(output.textures_delta);
-        let scale = output.pixels_per_point;
-        (context.tessellate(output.shapes, scale), scale)
+        self.actions.extend(actions.0);
+        (primitives, scale)
     }
 
     fn draw_session(&mut self) -> Result<(), DemoError> {
-        let (is_measuring, pointer) = (self.is_measuring(), self.pointer_in_picture());
-        let Some(session) = self.session.as_mut().filter(|_| !is_measuring) else { return Ok(()) };
-        self.inspector.refresh(session)?;
-        let camera = self.flight.camera(&session.live_scene.pose(self.clock.time).camera);
-        let pace = self.clock.exposure_pace();
-        let turns = self.split.as_mut().map_or([true; 2], |split| split.turns(session));
+        if self.is_measuring() {
+            return Ok(());
+        }
+        let pointer = self.input.in_picture(&self.view, &self.screen);
+        let own = self.view.scene_camera();
+        let View { session, split, recording, clock, flight, inspector, .. } = &mut self.view;
+        let (Some(session), Some(own)) = (session, own) else { return Ok(()) };
+        inspector.refresh(session)?;
+        let pace = clock.exposure_pace();
+        let turns = split.as_mut().map_or([true; 2], |split| split.turns(session));
         // A recording has every frame of the left side.
-        let [left, right] = if matches!(self.recording, Recording::Off) { turns } else { [true; 2] };
-        session.go_to_time(self.clock.time, camera);
+        let [left, right] = if matches!(recording, Recording::Off) { turns } else { [true; 2] };
+        session.go_to_time(clock.time, flight.camera(&own));
         if left {
             session.render(pace)?;
         }
-        self.inspector.read(session, pointer)?;
-        if let Some(split) = &mut self.split {
+        inspector.read(session, pointer)?;
+        if let Some(split) = split {
             split.render(session, pace, right)?;
         }
-        if let Recording::On(recorder) = &mut self.recording {
+        if let Recording::On(recorder) = recording {
             recorder.frame(session);
         }
         Ok(())

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use raw_window_handle::HasDisplayHandle;
 use winit::window::Window;
 
-use super::{DemoError, Launch};
+use super::error::DemoError;
+use super::launch::Launch;
 use crate::vulkan::{Device, DeviceInfo, Instance, InstanceOptions, PresentMode, Presenter, Surface};
 
 /// A device that presents to the window.
@@ -15,7 +16,8 @@ pub(super) struct Gpu {
     pub device: Arc<Device>,
     pub modes: Vec<PresentMode>,
     pub devices: Vec<DeviceInfo>,
-    instance: Arc<Instance>,
+    /// Outlives the device.
+    pub instance: Arc<Instance>,
 }
 
 impl Gpu {
@@ -30,11 +32,11 @@ impl Gpu {
     pub fn open_on(
         instance: &Arc<Instance>,
         window: &Arc<Window>,
-        wanted: Option<&str>,
+        requested: Option<&str>,
         mode: PresentMode,
     ) -> Result<Self, DemoError> {
         let surface = Arc::new(Surface::new(instance, window)?);
-        let device = Device::open_for(instance, wanted, Some(&surface))?;
+        let device = Device::open_for(instance, requested, Some(&surface))?;
         let size = window.inner_size();
         Ok(Self {
             presenter: Presenter::new(&device, &surface, [size.width, size.height], mode)?,
@@ -43,10 +45,5 @@ impl Gpu {
             device,
             instance: Arc::clone(instance),
         })
-    }
-
-    /// The instance, which outlives the device.
-    pub fn instance(&self) -> &Arc<Instance> {
-        &self.instance
     }
 }

@@ -4,11 +4,10 @@
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles, Vec4Swizzles};
-use serde::Serialize;
 
-use super::edit::Entry;
+use super::action::{Entry, HandleMode, Selected};
 use super::keys::key_at;
-use super::session::{Selected, Session};
+use super::session::Session;
 use super::transform::{
     moved_instance, moved_key, moved_light, rotated_instance, rotated_key, rotated_light, scaled_instance,
     scaled_light,
@@ -26,39 +25,10 @@ const COLOURS: [Color32; 3] =
     [Color32::from_rgb(240, 80, 80), Color32::from_rgb(90, 210, 90), Color32::from_rgb(90, 140, 255)];
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
-/// Kind of the handles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Mode {
-    /// Arrows.
-    #[default]
-    Move,
-    /// Rings.
-    Rotate,
-    /// Bars, all for the same: one factor for all axes.
-    Scale,
-}
-
-impl Mode {
-    /// All kinds, in the order in which they follow each other.
-    pub const ALL: [Self; 3] = [Self::Move, Self::Rotate, Self::Scale];
-
-    /// A word for people.
-    pub fn label(self) -> &'static str {
-        ["move", "rotate", "scale"][self as usize]
-    }
-
-    /// The kind after this one.
-    #[must_use]
-    pub fn next(self) -> Self {
-        Self::ALL[(self as usize + 1) % Self::ALL.len()]
-    }
-}
-
 /// A drag of a handle.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HandleDrag {
-    mode: Mode,
+    mode: HandleMode,
     axis: Vec3,
     pivot: Vec3,
     /// Length of the handle, scene units.
@@ -92,10 +62,10 @@ impl Projector {
 }
 
 /// Polyline of one axis' handle, world space.
-fn lines(mode: Mode, pivot: Vec3, axis: Vec3, reach: f32) -> Vec<Vec3> {
+fn lines(mode: HandleMode, pivot: Vec3, axis: Vec3, reach: f32) -> Vec<Vec3> {
     match mode {
-        Mode::Move | Mode::Scale => vec![pivot, pivot + axis * reach],
-        Mode::Rotate => {
+        HandleMode::Move | HandleMode::Scale => vec![pivot, pivot + axis * reach],
+        HandleMode::Rotate => {
             let side = axis.yzx() * reach;
             let corner = |i: usize| {
                 let angle = i as f32 / RING as f32 * std::f32::consts::TAU;
@@ -114,7 +84,7 @@ fn reach(session: &Session, pivot: Vec3) -> f32 {
 }
 
 /// Draws light markers, and the bounding box, handles and name of the selection.
-pub(super) fn paint(ui: &Ui, session: &Session, viewport: Rect, mode: Mode) {
+pub(super) fn paint(ui: &Ui, session: &Session, viewport: Rect, mode: HandleMode) {
     let projector = Projector::new(session, viewport);
     let painter = ui.painter().with_clip_rect(viewport);
     for light in 0..session.document.lights().len() {
@@ -133,14 +103,11 @@ pub(super) fn paint(ui: &Ui, session: &Session, viewport: Rect, mode: Mode) {
             lines(mode, pivot, axis, reach).into_iter().map(|point| projector.point(point)).collect();
         let Some(points) = points else { continue };
         match (mode, &points[..]) {
-            (Mode::Move, &[from, to]) => painter.arrow(from, to - from, Stroke::new(2.5, colour)),
-            (Mode::Scale, &[from, to]) => {
+            (HandleMode::Move, &[from, to]) => painter.arrow(from, to - from, Stroke::new(2.5, colour)),
+            (HandleMode::Scale, &[from, to]) => {
                 painter.line_segment([from, to], Stroke::new(2.0, Color32::LIGHT_GRAY));
-                painter.rect_filled(
-                    Rect::from_center_size(to, egui::Vec2::splat(9.0)),
-                    0.0,
-                    Color32::LIGHT_GRAY,
-                );
+                let end = Rect::from_center_size(to, egui::Vec2::splat(9.0));
+                painter.rect_filled(end, 0.0, Color32::LIGHT_GRAY);
             }
             _ => {
                 painter.line(points, Stroke::new(2.0, colour));
@@ -203,32 +170,6 @@ fn paint_box(painter: &Painter, session: &Session, projector: &Projector, select
     }
 }
 
-impl Session {
-    /// The entry whose surface is at a position of the picture; none for what surrounds the camera, so that no click moves a building.
-    pub fn selected_at(&self, at: Vec2) -> Option<Selected> {
-        let instance =
-            self.pick(at).map(|picked| picked.instance).filter(|instance| !self.surrounds(*instance))?;
-        if instance < self.document.instances().len() {
-            return Some(Selected::Instance(instance));
-        }
-        let mut lights = 0..self.document.lights().len();
-        lights.find(|&light| self.document.light_instance(light) == Some(instance)).map(Selected::Light)
-    }
-
-    /// Whether the camera is inside of an instance's bounds.
-    fn surrounds(&self, instance: usize) -> bool {
-        let (Some(known), Some(transform)) =
-            (self.scene.instances.get(instance), self.pose.instances.get(instance))
-        else {
-            return false;
-        };
-        let mesh = &self.scene.meshes[known.mesh];
-        let (low, high) = mesh.bounds();
-        let eye = transform.inverse().transform_point3(self.pose.camera.eye);
-        eye.cmpge(low).all() && eye.cmple(high).all()
-    }
-}
-
 /// The light whose marker is at a window position.
 pub(super) fn light_at(session: &Session, viewport: Rect, at: Pos2) -> Option<Selected> {
     let projector = Projector::new(session, viewport);
@@ -240,7 +181,13 @@ pub(super) fn light_at(session: &Session, viewport: Rect, at: Pos2) -> Option<Se
 
 impl HandleDrag {
     /// Starts a drag at a window position, if there is a handle; of the key at `time`, if the clock stands there.
-    pub fn begin(session: &Session, mode: Mode, time: Option<f64>, viewport: Rect, at: Pos2) -> Option<Self> {
+    pub fn begin(
+        session: &Session,
+        mode: HandleMode,
+        time: Option<f64>,
+        viewport: Rect,
+        at: Pos2,
+    ) -> Option<Self> {
         let selected = session.selected?;
         let pivot = session.place_of(selected)?;
         let projector = Projector::new(session, viewport);
@@ -268,12 +215,12 @@ impl HandleDrag {
         let direction = ray.direction.normalize();
         let along = direction.dot(self.axis);
         match self.mode {
-            Mode::Move | Mode::Scale => {
+            HandleMode::Move | HandleMode::Scale => {
                 let off = ray.origin - self.pivot;
                 let square = 1.0 - along * along;
                 (square > 1e-4).then(|| (off.dot(self.axis) - off.dot(direction) * along) / square)
             }
-            Mode::Rotate => {
+            HandleMode::Rotate => {
                 let t = (self.pivot - ray.origin).dot(self.axis) / along;
                 let at = ray.origin + direction * t - self.pivot;
                 let (x, y) = (at.dot(self.axis.yzx()), at.dot(self.axis.cross(self.axis.yzx())));
@@ -285,41 +232,30 @@ impl HandleDrag {
     /// The entry dragged to this ray.
     pub fn dragged(&self, ray: &Ray) -> Option<Entry> {
         let way = self.place(ray)? - self.start;
+        let mut dragged = self.original.clone();
         if way.abs() < f32::EPSILON {
             // A click is no edit.
-            return Some(self.original.clone());
+            return Some(dragged);
         }
+        let (offset, turn) = (self.axis * way, Quat::from_axis_angle(self.axis, way));
         // A handle's length outwards doubles the size, one inwards halves it.
         let factor = (way / self.reach).clamp(-8.0, 8.0).exp2();
-        let turn = Quat::from_axis_angle(self.axis, way);
-        let mut keyed = self.original.clone();
-        let keys = keyed.animation().as_mut().map(|animation| &mut animation.keyframes);
-        if let Some(key) =
-            self.key.and_then(|index| keys?.get_mut(index)).filter(|_| self.mode != Mode::Scale)
-        {
-            *key = if self.mode == Mode::Move {
-                moved_key(key, self.axis * way)
-            } else {
-                rotated_key(key, turn)
-            };
-            return Some(keyed);
+        let keys = dragged.animation().as_mut().map(|animation| &mut animation.keyframes);
+        let key = self.key.and_then(|index| keys?.get_mut(index));
+        if let Some(key) = key.filter(|_| self.mode != HandleMode::Scale) {
+            *key =
+                if self.mode == HandleMode::Move { moved_key(key, offset) } else { rotated_key(key, turn) };
+            return Some(dragged);
         }
-        Some(match (&self.original, self.mode) {
-            (Entry::Instance(index, entry), Mode::Move) => {
-                Entry::Instance(*index, moved_instance(entry, self.axis * way))
-            }
-            (Entry::Instance(index, entry), Mode::Rotate) => {
-                Entry::Instance(*index, rotated_instance(entry, turn))
-            }
-            (Entry::Light(index, entry), Mode::Move) => {
-                Entry::Light(*index, moved_light(entry, self.axis * way))
-            }
-            (Entry::Light(index, entry), Mode::Rotate) => Entry::Light(*index, rotated_light(entry, turn)),
-            (Entry::Instance(index, entry), Mode::Scale) => {
-                Entry::Instance(*index, scaled_instance(entry, factor))
-            }
-            (Entry::Light(index, entry), Mode::Scale) => Entry::Light(*index, scaled_light(entry, factor)),
-        })
+        match (&mut dragged, self.mode) {
+            (Entry::Instance(_, entry), HandleMode::Move) => *entry = moved_instance(entry, offset),
+            (Entry::Instance(_, entry), HandleMode::Rotate) => *entry = rotated_instance(entry, turn),
+            (Entry::Instance(_, entry), HandleMode::Scale) => *entry = scaled_instance(entry, factor),
+            (Entry::Light(_, entry), HandleMode::Move) => *entry = moved_light(entry, offset),
+            (Entry::Light(_, entry), HandleMode::Rotate) => *entry = rotated_light(entry, turn),
+            (Entry::Light(_, entry), HandleMode::Scale) => *entry = scaled_light(entry, factor),
+        }
+        Some(dragged)
     }
 }
 
@@ -335,7 +271,7 @@ mod tests {
     use crate::formats::{InstanceEntry, LightEntry, ScaleEntry};
     use crate::scene::LightType;
 
-    fn drag(mode: Mode, axis: Vec3) -> HandleDrag {
+    fn drag(mode: HandleMode, axis: Vec3) -> HandleDrag {
         let light = LightEntry {
             position: Some([1.0, 2.0, 3.0]),
             direction: Some([1.0, 0.0, 0.0]),
@@ -352,7 +288,7 @@ mod tests {
 
     #[test]
     fn a_light_goes_where_its_arrow_is_dragged() {
-        let drag = drag(Mode::Move, Vec3::X);
+        let drag = drag(HandleMode::Move, Vec3::X);
         let Some(Entry::Light(_, light)) = drag.dragged(&ray_to(Vec3::new(4.0, 2.0, 3.0))) else { panic!() };
         let position = Vec3::from_array(light.position.unwrap());
         assert!(position.distance(Vec3::new(4.0, 2.0, 3.0)) < 1e-3, "{position}");
@@ -360,7 +296,7 @@ mod tests {
 
     #[test]
     fn a_light_turns_with_its_ring() {
-        let mut drag = drag(Mode::Rotate, Vec3::Y);
+        let mut drag = drag(HandleMode::Rotate, Vec3::Y);
         drag.start = drag.place(&ray_to(drag.pivot + Vec3::X)).unwrap();
         let Some(Entry::Light(_, light)) = drag.dragged(&ray_to(drag.pivot + Vec3::NEG_Z)) else { panic!() };
         let direction = Vec3::from_array(light.direction.unwrap());
@@ -371,7 +307,8 @@ mod tests {
     fn a_handle_s_length_outwards_doubles() {
         let scaled = |text: &str, way: f32| {
             let entry: InstanceEntry = toml::from_str(&format!("model = \"m\"\n{text}")).unwrap();
-            let mut drag = HandleDrag { original: Entry::Instance(0, entry), ..drag(Mode::Scale, Vec3::X) };
+            let mut drag =
+                HandleDrag { original: Entry::Instance(0, entry), ..drag(HandleMode::Scale, Vec3::X) };
             drag.start = drag.place(&ray_to(drag.pivot + Vec3::X)).unwrap();
             let target = drag.pivot + Vec3::X * (1.0 + way * drag.reach);
             match drag.dragged(&ray_to(target)) {

@@ -6,8 +6,8 @@ use crate::report::FrameReport;
 use crate::statistics::percentile;
 
 /// Frames to keep.
-const KEPT: usize = 240;
-/// What the frame rate is taken over, ms: short, so that what a setting does to it is seen at once.
+const LENGTH: usize = 240;
+/// The frame rate is that of so many ms: few, so that the effect of a setting is seen at once.
 const RECENT_MS: f64 = 500.0;
 
 /// Measurements of one frame of the window.
@@ -26,23 +26,15 @@ pub(super) struct Sample {
 /// The last frames, oldest first.
 #[derive(Default)]
 pub(super) struct History {
-    samples: VecDeque<Sample>,
+    pub samples: VecDeque<Sample>,
 }
 
 impl History {
     pub fn push(&mut self, sample: Sample) {
-        if self.samples.len() == KEPT {
+        if self.samples.len() == LENGTH {
             self.samples.pop_front();
         }
         self.samples.push_back(sample);
-    }
-
-    pub fn clear(&mut self) {
-        self.samples.clear();
-    }
-
-    pub fn samples(&self) -> impl ExactSizeIterator<Item = &Sample> + Clone {
-        self.samples.iter()
     }
 
     /// Mean interval of the frames of the last half second, ms; 0 before the first.

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Vec2, Vec3};
 
-use super::DemoError;
+use super::error::DemoError;
 use super::session::Session;
 use crate::estimators::vpls::{SlotHistory, SlotView, VplContribution, Vpls};
 use crate::renderer::{DebugView, Line, Picked};
@@ -20,15 +20,16 @@ const RAY_COLOURS: [[f32; 4]; 2] = [[0.3, 1.0, 0.4, 0.9], [1.0, 0.2, 0.2, 0.7]];
 /// The inspector: off, awaiting a click, or inspecting a point.
 #[derive(Default)]
 pub(super) struct Inspector {
-    on: bool,
-    point: Option<Picked>,
-    /// The material to edit: index into the scene's.
-    material: Option<usize>,
+    pub is_on: bool,
+    /// The point that was clicked.
+    pub point: Option<Picked>,
+    /// The material to edit, at the point or chosen: index into the scene's.
+    pub material: Option<usize>,
     /// The VPLs that light it, the strongest first.
     pub found: Vec<Found>,
     /// Whether the renderer's view holds lines of the inspector.
     drawn: bool,
-    /// What the pixel under the pointer shows, and when it was read.
+    /// A description of the pixel under the pointer, and when it was read.
     pub pixel: Option<(String, Instant)>,
 }
 
@@ -42,32 +43,13 @@ pub(super) struct Found {
 }
 
 impl Inspector {
-    pub fn is_on(&self) -> bool {
-        self.on
-    }
-
     pub fn toggle(&mut self) {
-        self.on = !self.on;
-        self.forget();
+        self.is_on = !self.is_on;
+        self.choose(None);
         self.found.clear();
     }
 
-    /// Whether a point was clicked.
-    pub fn has_point(&self) -> bool {
-        self.point.is_some()
-    }
-
-    /// Forgets the point and the material, which may be of another scene.
-    pub fn forget(&mut self) {
-        (self.point, self.material) = (None, None);
-    }
-
-    /// The material at the point, or the one that was chosen.
-    pub fn material(&self) -> Option<usize> {
-        self.material
-    }
-
-    /// Chooses a material, of no point; none: closes the editor.
+    /// Chooses a material, of no point; none: forgets both, which may be of another scene.
     pub fn choose(&mut self, material: Option<usize>) {
         (self.point, self.material) = (None, material);
     }
@@ -80,7 +62,7 @@ impl Inspector {
 
     /// Reads the pixel at a position of the picture, a few times a second.
     pub fn read(&mut self, session: &Session, at: Vec2) -> Result<(), DemoError> {
-        if !self.on || self.pixel.as_ref().is_some_and(|(_, since)| since.elapsed() < READ) {
+        if !self.is_on || self.pixel.as_ref().is_some_and(|(_, since)| since.elapsed() < READ) {
             return Ok(());
         }
         let is_inside = at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all();

@@ -1,7 +1,7 @@
 //! Keyframes of a light or an object, as the timeline edits them: added, moved in time, deleted.
 
-use super::action::Action;
-use super::session::{Selected, Session};
+use super::action::{EditAction, Selected};
+use super::session::Session;
 use super::transform::key_of;
 use crate::formats::AnimationEntry;
 use crate::scene::Keyframe;
@@ -33,18 +33,8 @@ pub(super) fn move_key(animation: &mut AnimationEntry, index: usize, time: f64) 
 }
 
 impl Session {
-    /// What moves where an entry is selected: the instance that an area light names, or else the entry itself.
-    pub fn animated(&self, selected: Selected) -> Selected {
-        let Selected::Light(index) = selected else { return selected };
-        let light = self.document.lights().nth(index);
-        let instance = light
-            .and_then(|light| light.instance.as_ref())
-            .and_then(|name| self.document.instances().position(|instance| instance.shown_name() == name));
-        instance.map_or(selected, Selected::Instance)
-    }
-
     /// The edit that animates an entry so.
-    pub fn animate(&self, of: Selected, animation: Option<AnimationEntry>) -> Option<Action> {
+    pub fn animate(&self, of: Selected, animation: Option<AnimationEntry>) -> Option<EditAction> {
         let mut entry = self.entry(of)?;
         *entry.animation() = animation.filter(|all| !all.keyframes.is_empty() || all.rotation.is_some());
         Some(entry.edit())

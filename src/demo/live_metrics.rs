@@ -49,18 +49,14 @@ pub(super) struct LiveMetrics {
     begun: Option<Instant>,
     /// The last pair that was compared, see [`Self::is_due`].
     pair: Option<[u64; 2]>,
-    last: Option<Compared>,
+    /// The last comparison.
+    pub last: Option<Compared>,
     /// Counts comparisons.
     pub version: u64,
     logged: u64,
 }
 
 impl LiveMetrics {
-    /// The last comparison.
-    pub fn last(&self) -> Option<&Compared> {
-        self.last.as_ref()
-    }
-
     /// The last comparison for the log, once. `samples`: of the reference.
     pub fn take_log(&mut self, samples: Option<u64>) -> Option<Logged> {
         let is_new = std::mem::replace(&mut self.logged, self.version) != self.version;
@@ -146,7 +142,7 @@ mod tests {
         assert!(metrics.is_due([3, 1]));
         metrics.compare(shot.clone(), Arc::new(shot), [3, 1]);
         assert!(!is_due_in_time(&mut metrics, [3, 1]));
-        assert!(metrics.last().is_some_and(|compared| compared.metrics.flip == 0.0));
+        assert!(metrics.last.as_ref().is_some_and(|compared| compared.metrics.flip == 0.0));
         assert!(is_due_in_time(&mut metrics, [4, 1]) && is_due_in_time(&mut metrics, [3, 2]));
         metrics.forget();
         assert!(metrics.is_due([3, 1]));

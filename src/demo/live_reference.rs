@@ -1,4 +1,4 @@
-//! The path tracer's picture of what stands still, which gets better in the background.
+//! The path tracer's picture of a stationary scene, which gets better in the background.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,7 +36,8 @@ pub(super) struct LiveReference {
     /// The world of the last frame.
     last: Option<Key>,
     run: Option<Run>,
-    shown: Option<Progress>,
+    /// The picture so far; none before the first sample.
+    pub progress: Option<Progress>,
     /// Counts pictures.
     pub version: u64,
 }
@@ -60,7 +61,7 @@ impl LiveReference {
     pub fn follow(&mut self, session: &Session) {
         let same = self.last.as_ref().is_some_and(|last| last.is_of(session));
         if !same {
-            (self.run, self.shown) = (None, None);
+            (self.run, self.progress) = (None, None);
             self.last = Some(Key {
                 scene: Arc::clone(session.renderer.scene()),
                 pose: session.pose.clone(),
@@ -70,19 +71,14 @@ impl LiveReference {
             self.run = Some(Run::start(key.clone()));
         }
         if let Some(newest) = self.run.as_ref().and_then(|run| run.progress.try_iter().last()) {
-            self.shown = Some(newest);
+            self.progress = Some(newest);
             self.version += 1;
         }
-    }
-
-    /// How far it is; none before the first sample.
-    pub fn progress(&self) -> Option<&Progress> {
-        self.shown.as_ref()
     }
 }
 
 impl Progress {
-    /// Until it is good enough.
+    /// Estimates the time until it is good enough.
     pub fn left(&self) -> Duration {
         let still = ENOUGH.saturating_sub(self.samples) as f64 / self.samples.max(1) as f64;
         self.elapsed.mul_f64(still)

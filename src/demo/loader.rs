@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPoolBuilder;
 
-use super::{DemoError, Launch};
+use super::error::DemoError;
+use super::launch::Launch;
 use crate::formats::{ReadFiles, SceneDocument};
 use crate::renderer::{PreparedScene, Renderer};
 use crate::scene::Scene;
@@ -139,9 +140,7 @@ impl Loader {
     /// Waits for the running job and discards its result.
     pub fn stop(&mut self) {
         self.waiting = None;
-        if let Some(job) = self.running.take() {
-            let _ = job.thread.join();
-        }
+        self.next();
     }
 
     fn next(&mut self) {

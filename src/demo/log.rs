@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::DemoError;
+use super::error::DemoError;
 use super::history::Sample;
 use crate::output::{Growing, OutputFile};
 use crate::report::COMMIT;

@@ -1,32 +1,18 @@
-//! Another device while the window is open, because the last one was lost or another is wanted; the scene and its edits stay.
+//! Another device while the window is open, because the last one was lost or another is chosen; the scene and its edits stay.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::DemoError;
-use super::action::Action;
-use super::app::{App, Open};
+use super::action::AppAction;
+use super::app::{App, OpenWindow};
+use super::error::DemoError;
 use super::gpu::Gpu;
-use super::screenshot::{Saving, free_name};
-use super::session::{Saved, Selected, Session};
-use super::undo::Undo;
-use crate::renderer::{DebugView, RenderError};
+use super::saving::{Saving, free_name};
 
 /// Time within which a device that is lost again is given up.
 const RELAPSE: Duration = Duration::from_secs(60);
-
-/// What of a session outlives its device, besides the document and the settings.
-pub(super) struct Kept {
-    pub view: DebugView,
-    selected: Option<Selected>,
-    headlamp: Option<usize>,
-    edits: u64,
-    saved_edits: u64,
-    undo: Undo,
-    saved: Option<Saved>,
-}
 
 impl App {
     /// Goes on with a new device after one was lost, or ends where that one is lost, too. Either way unsaved edits are in a file.
@@ -34,8 +20,8 @@ impl App {
         self.log.event("device-lost", error.to_string());
         let last = self.lost.take().filter(|(at, _)| at.elapsed() < RELAPSE);
         let again = last.is_some();
-        let kept = self.open.as_ref().and_then(Open::keep_edits);
-        let file = kept.or_else(|| last.and_then(|(_, file)| file));
+        let written = self.open.as_ref().and_then(write_edits);
+        let file = written.or_else(|| last.and_then(|(_, file)| file));
         self.lost = Some((Instant::now(), file.clone()));
         let gone_on = if again { Err(error) } else { self.restart_device(None) };
         match (gone_on, file) {
@@ -43,7 +29,7 @@ impl App {
             (Ok(()), file) => {
                 if let Some(open) = &mut self.open {
                     let edits = file.map(|file| format!("; unsaved edits are also in {}", file.display()));
-                    open.panel.message =
+                    open.view.interface.message =
                         format!("the device was lost and is open again{}", edits.unwrap_or_default());
                 }
                 Ok(())
@@ -56,54 +42,35 @@ impl App {
     pub(super) fn restart_device(&mut self, index: Option<usize>) -> Result<(), DemoError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         open.loader.stop();
-        (open.split, open.comparison) = (None, None);
-        open.panel.forget_textures();
-        let session = open.session.take();
-        let wanted = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
+        (open.view.split, open.comparison) = (None, None);
+        open.screen.panel.forget_textures();
+        let session = open.view.session.take();
+        let requested = index.map(|index| index.to_string()).or_else(|| self.launch.device.clone());
         let mode = open.gpu.presenter.mode();
         open.gpu.presenter.close();
-        open.gpu = Gpu::open_on(open.gpu.instance(), &open.window, wanted.as_deref(), mode)?;
+        open.gpu = Gpu::open_on(&open.gpu.instance, &open.screen.window, requested.as_deref(), mode)?;
         let info = open.gpu.device.info();
         self.log.event("device", json!({ "name": info.name, "index": info.index }));
         if let Some(session) = session {
             let edited = session.to_build(true);
             open.request_scene(session.name.clone(), Some(edited));
-            open.kept = Some(session.into_kept());
+            open.state = Some(session.into_state());
         } else {
-            open.actions.push(Action::Open(self.launch.scene.clone()));
+            open.actions.push(AppAction::Open(self.launch.scene.clone()));
         }
         // Last: until its first frame a new one knows no viewport, thus no size of the picture.
-        open.recreate_ui();
+        open.screen.recreate_context();
         Ok(())
     }
 }
 
-impl Open {
-    /// Writes the scene with its unsaved edits to a new file in the current folder; none where there are none, or that fails.
-    pub(super) fn keep_edits(&self) -> Option<PathBuf> {
-        let session = self.session.as_ref().filter(|session| session.is_edited())?;
-        let stem = format!("glowworm-{}-unsaved", session.live_scene.name.replace(['/', '\\'], "-"));
-        let written = free_name(&stem, ".toml").and_then(|path| {
-            let text = session.document_to_save(Some(&session.pose.camera)).text_to_save(&path);
-            Saving::text(path, text).finish()
-        });
-        written.inspect_err(|error| log::warn!("{error}")).ok()
-    }
-}
-
-impl Session {
-    /// What is to outlive the device.
-    pub fn into_kept(self) -> Kept {
-        let Self { renderer, selected, headlamp, edits, saved_edits, undo, saved, .. } = self;
-        Kept { view: renderer.view().clone(), selected, headlamp, edits, saved_edits, undo, saved }
-    }
-
-    /// Goes on as before the device was lost.
-    pub fn restore(&mut self, kept: Kept) -> Result<(), RenderError> {
-        self.renderer.set_view(&kept.view)?;
-        let Kept { selected, headlamp, edits, saved_edits, undo, saved, .. } = kept;
-        (self.selected, self.headlamp, self.edits) = (selected, headlamp, edits);
-        (self.saved_edits, self.undo, self.saved) = (saved_edits, undo, saved);
-        Ok(())
-    }
+/// Writes the scene with its unsaved edits to a new file in the current folder; none where there are none, or that fails.
+fn write_edits(open: &OpenWindow) -> Option<PathBuf> {
+    let session = open.view.session.as_ref().filter(|session| session.is_edited())?;
+    let stem = format!("glowworm-{}-unsaved", session.live_scene.name.replace(['/', '\\'], "-"));
+    let written = free_name(&stem, ".toml").and_then(|path| {
+        let text = session.document_to_save(Some(&session.pose.camera)).text_to_save(&path);
+        Saving::text(path, text).finish()
+    });
+    written.inspect_err(|error| log::warn!("{error}")).ok()
 }

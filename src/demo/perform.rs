@@ -2,366 +2,270 @@
 
 use std::path::PathBuf;
 
-use super::DemoError;
-use super::action::Action;
-use super::app::{App, Open, slow_click_context};
-use super::edit::{Entry, free_name, free_place, new_light};
-use super::loader::{Edited, LoadRequest};
+use super::action::{Action, AppAction, EditAction, RequestedSettings};
+use super::app::{App, OpenWindow};
+use super::command::command;
+use super::compare::Comparison;
+use super::error::DemoError;
+use super::launch::Launch;
+#[cfg(feature = "shader-reload")]
+use super::loader::Edited;
 use super::panel::Purpose;
 use super::recorder::Recording;
-use super::screenshot::{self, SavedScene, Saving};
-use super::session::{Change, Saved, Selected, Session, carry};
-use super::transform::{moved_instance, moved_light};
-use super::undo::State;
-use crate::formats::{InstanceEntry, LightEntry, SceneError};
-use crate::output::automatic_exposure;
+use super::saving::{self, SavedScene, Saving, free_name};
+use super::session::{Change, Saved};
+use super::tour::{Before, Tour};
 use crate::settings::Settings;
 
 impl App {
-    /// Executes an action. Invalid input is reported in the panel; an error ends the program.
-    pub(super) fn perform(&mut self, action: Action) -> Result<(), DemoError> {
+    /// Executes the actions in their order. One that must be announced waits with all after it.
+    pub(super) fn perform_all(&mut self) -> Result<(), DemoError> {
+        let actions = self.open.as_mut().map(|open| std::mem::take(&mut open.actions)).unwrap_or_default();
+        for action in actions.0 {
+            let Some(OpenWindow { view, actions, .. }) = &mut self.open else { return Ok(()) };
+            if view.interface.must_wait(&action, view.session.as_ref(), view.split.as_ref()) {
+                actions.push(action);
+            } else {
+                self.perform(action)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Executes an action. Errors are shown, but for the loss of the device.
+    fn perform(&mut self, action: Action) -> Result<(), DemoError> {
         self.log.event("action", &action);
         let Some(open) = &mut self.open else { return Ok(()) };
-        let own = open.session.as_ref().map(|session| session.live_scene.pose(open.clock.time).camera);
+        let press = open.input.press;
+        let performed = match action {
+            Action::App(action) => return self.perform_app(action),
+            Action::View(action) => open.view.perform(action, press, &open.gpu.device),
+            Action::Edit(EditAction::Select(None)) if open.end_something()? => Ok(()),
+            Action::Edit(action) => open.view.edit(action, press).map(|change| open.take(change)),
+        };
+        match performed {
+            Err(error) if !error.is_device_lost() => open.view.interface.error = Some(error.to_string()),
+            other => return other,
+        }
+        Ok(())
+    }
+
+    fn perform_app(&mut self, action: AppAction) -> Result<(), DemoError> {
+        let Self { open: Some(open), launch, log, .. } = self else { return Ok(()) };
+        let interface = &mut open.view.interface;
+        let files = &mut open.screen.panel.files;
+        let session = open.view.session.as_ref();
         match action {
-            Action::ToggleHelp => open.panel.help = !open.panel.help,
-            Action::DismissWelcome => {
-                open.panel.welcome = false;
-                self.launch.note_welcomed();
+            AppAction::ToggleHelp => interface.help = !interface.help,
+            AppAction::DismissWelcome => {
+                interface.welcome = false;
+                launch.note_welcomed();
             }
-            Action::TogglePanel => open.panel.hidden = !open.panel.hidden,
-            Action::ToggleOverlays => open.panel.bare = !open.panel.bare,
-            // It takes effect with the event, so that the next key goes where it belongs.
-            Action::ToggleKeyboard => {}
-            Action::TogglePause => open.clock.paused = !open.clock.paused,
-            Action::Pause(paused) => open.clock.paused = paused,
-            Action::ToggleTour => return open.toggle_tour(self.launch.contact_sheet.clone()),
-            Action::Select(None) if open.tour.is_some() => return open.end_tour(),
-            Action::Select(None) if open.is_measuring() => open.comparison = None,
-            Action::Select(None) if open.panel.error.is_some() => open.panel.error = None,
-            Action::Scrub(time) => open.clock.time = time.max(0.0),
-            Action::Home => open.flight.home(),
-            Action::StoreBookmark(number) => {
-                if let Some(own) = own {
-                    open.flight.store(number, open.flight.camera(&own));
-                    open.panel.message = format!("camera stored as bookmark {}", number + 1);
+            AppAction::DismissError => interface.error = None,
+            AppAction::TogglePanel => interface.hidden = !interface.hidden,
+            AppAction::ToggleOverlays => interface.bare = !interface.bare,
+            // It has taken effect with the event.
+            AppAction::ToggleKeyboard => {}
+            AppAction::ToggleTour => return open.toggle_tour(launch),
+            AppAction::ToggleFullscreen => {
+                let is_full = open.screen.window.fullscreen().is_some();
+                let full = (!is_full).then_some(winit::window::Fullscreen::Borderless(None));
+                open.screen.window.set_fullscreen(full);
+            }
+            AppAction::ToggleCompare => match (session, &open.comparison) {
+                (Some(session), None) => match open.screen.panel.compare.requested(&session.settings) {
+                    Ok(requested) => open.compare(requested, launch),
+                    Err(error) => interface.error = Some(error),
+                },
+                _ => open.comparison = None,
+            },
+            AppAction::Compare(None) => open.comparison = None,
+            AppAction::Compare(Some(requested)) => open.compare(requested, launch),
+            AppAction::SaveComparison => {
+                if let (Some(comparison), Some(session)) = (&open.comparison, session) {
+                    open.saving.extend(comparison.save(&session.live_scene.name));
                 }
             }
-            Action::GoToBookmark(number) => {
-                if let Some(camera) = open.flight.bookmark(number) {
-                    open.flight.go_to(camera);
+            AppAction::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
+            AppAction::RestartDevice(index) => return self.restart_device(index),
+            AppAction::Open(name) => open.load(name.clone(), AppAction::Open(name)),
+            AppAction::Reload => {
+                if let Some(name) = session.map(|session| session.name.clone()) {
+                    open.load(name, AppAction::Reload);
                 }
             }
-            Action::ToggleFullscreen => {
-                let full = open.window.fullscreen().is_some();
-                let wanted = (!full).then_some(winit::window::Fullscreen::Borderless(None));
-                open.window.set_fullscreen(wanted);
-            }
-            Action::ToggleCompare => open.toggle_compare(self.launch.assets.clone()),
-            Action::Compare(wanted) => open.compare(wanted, self.launch.assets.clone()),
-            Action::SaveComparison => open.save_comparison(),
-            Action::SetPresentMode(mode) => open.gpu.presenter.set_mode(mode),
-            Action::RestartDevice(index) => return self.restart_device(index),
-            Action::Open(name) => {
-                if open.confirm_discard(Action::Open(name.clone())) {
-                    open.panel.error = None;
-                    open.request_scene(name, None);
+            #[cfg(feature = "shader-reload")]
+            AppAction::ReloadShaders => {
+                if let Some(session) = session {
+                    let edited = Edited { compiles_shaders: true, ..session.to_build(true) };
+                    open.request_scene(session.name.clone(), Some(edited));
                 }
             }
-            Action::Reload => {
-                if let Some(name) = open.session.as_ref().map(|session| session.name.clone())
-                    && open.confirm_discard(Action::Reload)
-                {
-                    open.request_scene(name, None);
+            AppAction::Save(path) => open.save(path),
+            AppAction::AskOpen => files.ask_for(Purpose::Open, ""),
+            AppAction::AskSave => {
+                let name = session.map_or("scene", |session| session.live_scene.name.as_str());
+                files.ask_for(Purpose::Save, name);
+            }
+            AppAction::AskMap => files.ask_for(Purpose::Map, ""),
+            AppAction::AskPicture => files.ask_for(Purpose::Picture, ""),
+            AppAction::AskModel => files.ask_for(Purpose::Model, ""),
+            AppAction::Screenshot { exr } => {
+                if let Some(session) = session {
+                    open.saving.push(saving::take(session, exr)?);
                 }
             }
-            Action::SetCoarseness(pixels) => open.set_coarseness(pixels),
-            Action::Set(settings) => open.set_and_remember(&settings)?,
-            Action::Undo => open.step_back()?,
-            Action::Redo => open.step_forward()?,
-            Action::Screenshot { exr } => {
-                if let Some(session) = &open.session {
-                    open.saving.push(screenshot::take(session, exr)?);
+            AppAction::ToggleRecording => open.toggle_recording(),
+            AppAction::CopyCommand => {
+                if let Some((command, scene)) = command(&open.view) {
+                    open.actions.extend(scene.map(AppAction::Save));
+                    log.event("command", &command);
+                    open.view.interface.message = format!("copied: {command}");
+                    open.screen.egui.set_clipboard_text(command);
                 }
             }
-            Action::ToggleRecording => open.toggle_recording(),
-            Action::CopyCommand => {
-                if let Some(command) = open.command() {
-                    self.log.event("command", &command);
-                    open.panel.message = format!("copied: {command}");
-                    open.egui.set_clipboard_text(command);
-                }
-            }
-            Action::Quit => open.closing |= open.confirm_discard(Action::Quit),
-            other => open.change(other)?,
+            AppAction::KeepScene => interface.pending = None,
+            AppAction::Quit => open.closing |= open.confirm_discard(AppAction::Quit),
         }
         Ok(())
     }
 }
 
-impl Open {
-    /// Whether the scene has unsaved edits.
-    pub(super) fn is_edited(&self) -> bool {
-        self.session.as_ref().is_some_and(Session::is_edited)
+impl OpenWindow {
+    /// Ends the tour, or else a measurement, or else dismisses the error; false where there is none, so that Escape selects nothing.
+    fn end_something(&mut self) -> Result<bool, DemoError> {
+        if self.tour.is_some() {
+            self.end_tour()?;
+        } else if self.is_measuring() {
+            self.comparison = None;
+        } else {
+            return Ok(self.view.interface.error.take().is_some());
+        }
+        Ok(true)
+    }
+
+    /// Rebuilds the renderer if an edit needs it.
+    pub(super) fn take(&mut self, change: Change) {
+        if change == Change::Rebuild {
+            self.rebuild();
+        }
     }
 
     /// Whether an action may end the scene: there are no unsaved edits, or the user discards them by the same action again.
     /// Otherwise the panel asks.
-    fn confirm_discard(&mut self, action: Action) -> bool {
-        let asked = self.panel.pending.take();
+    fn confirm_discard(&mut self, action: AppAction) -> bool {
+        let asked = self.view.interface.pending.take();
         let may = !self.is_edited() || asked.as_ref() == Some(&action);
         if !may {
-            self.panel.pending = Some(action);
+            self.view.interface.pending = Some(action);
         }
         may
     }
 
-    /// Executes the actions that edit the document; the others choose what is shown.
-    fn change(&mut self, action: Action) -> Result<(), DemoError> {
-        match action {
-            Action::Select(selected) => {
-                if let Some(session) = &mut self.session {
-                    session.selected = selected;
-                }
-                self.inspector.choose(None);
-            }
-            #[cfg(feature = "shader-reload")]
-            Action::ReloadShaders => {
-                if let Some(session) = &self.session {
-                    let edited = Edited { compiles_shaders: true, ..session.to_build(true) };
-                    self.request_scene(session.name.clone(), Some(edited));
-                }
-            }
-            Action::Handles(mode) => self.mode = mode.unwrap_or(self.mode.next()),
-            Action::EditLight(index, entry) => self.edit(|session| session.set_light(index, *entry)),
-            Action::EditInstance(index, entry) => self.edit(|session| session.set_instance(index, *entry)),
-            Action::EditMaterial(edit) => self.edit(|session| session.set_material(*edit)),
-            Action::EditEnvironment(entry) => {
-                self.edit(|session| session.set_environment(entry.map(|entry| *entry)))
-            }
-            Action::OpenMap(path) => {
-                self.panel.error = None;
-                self.edit(|session| session.set_map(path));
-            }
-            Action::AskMap => self.panel.scene.ask_for(Purpose::Map, ""),
-            Action::AskPicture => self.panel.scene.ask_for(Purpose::Picture, ""),
-            Action::AddObject(object) => self.edit(|session| session.add_object(object)),
-            Action::AskModel => self.panel.scene.ask_for(Purpose::Model, ""),
-            Action::AddLight(kind) => self.edit(|session| session.add_light(new_light(session, kind))),
-            Action::Duplicate => self.duplicate(),
-            Action::Delete => {
-                self.edit(|session| match session.selected {
-                    Some(Selected::Light(index)) => session.remove_light(index),
-                    Some(Selected::Instance(index)) => session.remove_instance(index),
-                    None => Ok(Change::Live),
-                });
-            }
-            Action::ToggleHeadlamp => self.toggle_headlamp(),
-            Action::AskOpen => self.panel.scene.ask_for(Purpose::Open, ""),
-            Action::AskSave => {
-                let name = self.session.as_ref().map_or("scene", |session| session.live_scene.name.as_str());
-                self.panel.scene.ask_for(Purpose::Save, name);
-            }
-            Action::Save(path) => self.save(path),
-            Action::Expose(stops) => self.expose(stops)?,
-            other => self.look(other)?,
+    /// Loads a scene in place of the current one, if that may end.
+    fn load(&mut self, name: String, action: AppAction) {
+        if self.confirm_discard(action) {
+            self.view.interface.error = None;
+            self.request_scene(name, None);
         }
-        Ok(())
-    }
-
-    /// Requests a scene, as edited or from disk.
-    pub(super) fn request_scene(&mut self, name: String, edited: Option<Edited>) {
-        let request = LoadRequest {
-            name,
-            edited,
-            device: std::sync::Arc::clone(&self.gpu.device),
-            size: self.picture_size(),
-        };
-        self.loader.start(request);
-    }
-
-    /// Executes an edit, and rebuilds the renderer if needed.
-    fn edit(&mut self, edit: impl FnOnce(&mut Session) -> Result<Change, SceneError>) {
-        let Some(session) = &mut self.session else { return };
-        let before = session.state();
-        let change = edit(session);
-        if change.is_ok() && session.state() != before {
-            session.undo.remember(before, self.press);
-        }
-        self.take(change);
-    }
-
-    /// Rebuilds the renderer if an edit needs it.
-    fn take(&mut self, change: Result<Change, SceneError>) {
-        match change {
-            Ok(Change::Live) => {}
-            Ok(Change::Rebuild) => self.rebuild(),
-            Err(error) => self.panel.error = Some(error.to_string()),
-        }
-    }
-
-    fn step_back(&mut self) -> Result<(), DemoError> {
-        let state = self.session.as_mut().and_then(|session| session.undo.back(session.state()));
-        self.go_to(state)
-    }
-
-    fn step_forward(&mut self) -> Result<(), DemoError> {
-        let state = self.session.as_mut().and_then(|session| session.undo.forward(session.state()));
-        self.go_to(state)
-    }
-
-    /// Goes to a state that was before or after the current one; the window keeps its size.
-    fn go_to(&mut self, state: Option<State>) -> Result<(), DemoError> {
-        let (Some(state), Some(session)) = (state, &mut self.session) else { return Ok(()) };
-        let settings = Settings { size: session.settings.size, ..state.settings.clone() };
-        let change = session.go_to(&state);
-        let differs = settings != session.settings;
-        self.take(change);
-        if differs { self.set(&settings) } else { Ok(()) }
-    }
-
-    /// Builds the scene of the current document, with a renderer of its own if the current one cannot go on with it, or if a
-    /// recording waits for one.
-    pub(super) fn rebuild(&mut self) {
-        let Some(session) = &self.session else { return };
-        let edited = session.to_build(matches!(self.recording, Recording::Waiting));
-        self.request_scene(session.name.clone(), Some(edited));
-    }
-
-    /// Starts a recording with a new renderer, since the picture depends on its history; or saves the current
-    /// recording.
-    fn toggle_recording(&mut self) {
-        match std::mem::take(&mut self.recording) {
-            Recording::Off => {
-                self.recording = Recording::Waiting;
-                self.rebuild();
-            }
-            Recording::Waiting => {}
-            Recording::On(recorder) => {
-                let name = self.session.as_ref().map_or("scene", |session| session.live_scene.name.as_str());
-                match screenshot::free_name(&format!("glowworm-{name}-recording"), ".toml") {
-                    Ok(path) => self.saving.push(recorder.save(path)),
-                    Err(error) => self.panel.error = Some(error),
-                }
-            }
-        }
-    }
-
-    fn duplicate(&mut self) {
-        self.edit(|session| {
-            let place = session.selected.and_then(|selected| session.place_of(selected)).unwrap_or_default();
-            let way = free_place(session, place) - place;
-            match session.selected.and_then(|selected| session.entry(selected)) {
-                Some(Entry::Light(_, light)) => {
-                    let name = light.name.as_ref().map(|name| format!("{name} copy"));
-                    session.add_light(moved_light(&LightEntry { name, ..light }, way))
-                }
-                Some(Entry::Instance(_, instance)) => {
-                    let name = Some(free_name(session, instance.shown_name()));
-                    session.add_instance(moved_instance(&InstanceEntry { name, ..instance }, way))
-                }
-                None => Ok(Change::Live),
-            }
-        });
-    }
-
-    /// Attaches the selected light to the camera, and detaches the one attached before.
-    fn toggle_headlamp(&mut self) {
-        self.edit(|session| {
-            if let Some(index) = session.headlamp.take() {
-                let Some(light) = session.document.lights().nth(index) else { return Ok(Change::Live) };
-                let mut light = light.clone();
-                carry(&mut light, &session.pose.camera);
-                return session.set_light(index, light);
-            }
-            if let Some(Selected::Light(index)) = session.selected {
-                session.headlamp = Some(index);
-            }
-            Ok(Change::Live)
-        });
     }
 
     /// Saves the current scene with the current camera.
     fn save(&mut self, path: PathBuf) {
-        let Some(session) = &mut self.session else { return };
-        let camera = self.flight.has_moved().then_some(&session.pose.camera);
+        let Some(session) = &self.view.session else { return };
+        let camera = self.view.flight.moved.map(|_| &session.pose.camera);
         let text = session.document_to_save(camera).text_to_save(&path);
         let saved = Saved { path: path.clone(), camera: session.pose.camera };
         let scene = SavedScene { name: session.name.clone(), edits: session.edits, saved };
         self.saving.push(Saving { scene: Some(scene), ..Saving::text(path, text) });
     }
 
-    /// Changes the settings of the current scene, so that it can be taken back; a change of the window's size alone cannot.
-    fn set_and_remember(&mut self, settings: &Settings) -> Result<(), DemoError> {
-        let Some(before) = self.session.as_ref().map(Session::state) else { return Ok(()) };
-        self.set(settings)?;
-        // What a method gains is to be seen in the rate, not in the number of pixels.
-        let method = |of: &Settings| (of.indirect, of.vpl.temporal_sets);
-        if self.resolution.automatic && method(settings) != method(&before.settings) {
-            if self.resolution.hold() {
-                self.resized = Some(std::time::Instant::now());
+    /// Starts a recording with a new renderer, since the picture depends on its history; or saves the current
+    /// recording.
+    fn toggle_recording(&mut self) {
+        match std::mem::take(&mut self.view.recording) {
+            Recording::Off => {
+                self.view.recording = Recording::Waiting;
+                self.rebuild();
             }
-            self.panel.message = "pixel size no longer follows the rate, so that rates compare".to_owned();
+            Recording::Waiting => {}
+            Recording::On(recorder) => {
+                let session = self.view.session.as_ref();
+                let name = session.map_or("scene", |session| session.live_scene.name.as_str());
+                match free_name(&format!("glowworm-{name}-recording"), ".toml") {
+                    Ok(path) => self.saving.push(recorder.save(path)),
+                    Err(error) => self.view.interface.error = Some(error),
+                }
+            }
         }
-        if let Some(session) = &mut self.session
-            && session.settings != (Settings { size: session.settings.size, ..before.settings.clone() })
-        {
-            session.undo.remember(before, self.press);
+    }
+
+    /// Measures these settings on the scene on screen.
+    fn compare(&mut self, requested: RequestedSettings, launch: &Launch) {
+        self.comparison = None;
+        let Some(session) = &self.view.session else { return };
+        let camera = self.view.flight.moved.map(|_| &session.pose.camera);
+        let document = session.document_to_save(camera);
+        let (device, assets) = (&self.gpu.device, launch.assets.clone());
+        self.comparison = Some(Comparison::start(device, session, document, assets, requested));
+    }
+
+    /// Begins the tour, with a contact sheet at its end if that has a file; or ends it.
+    fn toggle_tour(&mut self, launch: &Launch) -> Result<(), DemoError> {
+        if self.tour.is_some() {
+            return self.end_tour();
         }
+        let Some(session) = &mut self.view.session else { return Ok(()) };
+        let before = Before {
+            settings: session.settings.clone(),
+            view: session.renderer.view().clone(),
+            camera: self.view.flight.moved,
+            paused: self.view.clock.paused,
+            automatic: self.view.size.resolution.automatic,
+            undo: std::mem::take(&mut session.undo),
+        };
+        self.tour = Some(Tour::new(before, launch.contact_sheet.clone()));
+        self.view.split = None;
+        self.view.interface.hidden = true;
         Ok(())
     }
 
-    /// Changes the exposure by stops, from what it is now; or makes it automatic.
-    fn expose(&mut self, stops: Option<f32>) -> Result<(), DemoError> {
-        let Some(session) = &self.session else { return Ok(()) };
-        let mut settings = session.settings.clone();
-        settings.exposure = match (stops, settings.exposure) {
-            (None, _) => None,
-            (Some(stops), Some(now)) => Some(now + stops),
-            (Some(stops), None) => {
-                let picture = session.renderer.read_picture(false)?;
-                let now = automatic_exposure(&picture, settings.tone_map, std::iter::repeat(1.0)).log2();
-                Some((2.0 * now).round() * 0.5 + stops)
-            }
-        };
-        self.panel.message = match settings.exposure {
-            Some(stops) => format!("exposure {stops:+.1} stops (0: automatic)"),
-            None => "automatic exposure".to_owned(),
-        };
-        self.set_and_remember(&settings)
+    /// Ends the tour where it is; everything goes back to how it was.
+    fn end_tour(&mut self) -> Result<(), DemoError> {
+        let (Some(tour), Some(session)) = (self.tour.take(), &mut self.view.session) else { return Ok(()) };
+        let (before, closes) = tour.end()?;
+        self.closing |= closes;
+        session.undo = before.undo;
+        let settings = Settings { size: session.settings.size, ..before.settings };
+        let view = &mut self.view;
+        view.interface.hidden = false;
+        (view.clock.paused, view.size.resolution.automatic) = (before.paused, before.automatic);
+        (view.split, self.comparison) = (None, None);
+        view.flight.moved = before.camera;
+        view.show(&before.view)?;
+        view.set(&settings, None)
     }
 
-    /// Changes the settings of the current scene.
-    pub(super) fn set(&mut self, settings: &Settings) -> Result<(), DemoError> {
-        let Some(session) = &mut self.session else { return Ok(()) };
-        if let Err(error) = settings.check() {
-            self.panel.error = Some(error.to_string());
-            return Ok(());
+    /// Goes on with the tour; returns the caption of a stop that begins.
+    pub(super) fn follow_tour(&mut self, launch: &Launch) -> Result<Option<&'static str>, DemoError> {
+        if self.view.session.is_some() && std::mem::take(&mut self.tour_waits) {
+            self.toggle_tour(launch)?;
         }
-        match session.renderer.set_settings(settings, &session.pose).map_err(DemoError::from) {
-            Ok(()) => {
-                if settings.size == session.settings.size {
-                    self.resolution.forget();
-                }
-                let method = |of: &Settings| (of.indirect, of.reflections);
-                if method(settings) != method(&session.settings) {
-                    self.panel.message = session.renderer.warnings().join("; ");
-                }
-                session.settings.clone_from(settings);
-            }
-            Err(error) if error.is_device_lost() => return Err(error),
-            Err(error) => self.panel.error = Some(error.to_string()),
+        if self.view.interface.has_waiting() {
+            return Ok(None);
         }
-        Ok(())
-    }
-
-    /// Recreates the egui context with its state, so that it uploads its textures again.
-    pub(super) fn recreate_ui(&mut self) {
-        let context = slow_click_context();
-        let memory = self.egui.egui_ctx().memory(Clone::clone);
-        context.memory_mut(|fresh| *fresh = memory);
-        let scale = Some(self.window.scale_factor() as f32);
-        self.egui = egui_winit::State::new(context, egui::ViewportId::ROOT, &self.window, scale, None, None);
-        self.textures = egui::TexturesDelta::default();
+        let own = self.view.scene_camera();
+        let (Some(session), Some(tour), Some(own)) = (&self.view.session, &mut self.tour, own) else {
+            return Ok(None);
+        };
+        let seconds = self.view.clock.interval_ms() * 1e-3;
+        let Some(frame) = tour.advance(seconds, &own, session, self.view.split.as_ref())? else {
+            self.end_tour()?;
+            return Ok(None);
+        };
+        let caption = frame.begins.then(|| tour.caption());
+        self.view.flight.moved = Some(frame.camera);
+        self.actions.extend(frame.actions.0);
+        Ok(caption)
     }
 }

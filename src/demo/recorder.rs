@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::screenshot::Saving;
+use super::saving::Saving;
 use super::session::Session;
 use crate::formats::SceneDocument;
 use crate::scene::{Pose, RecordedFrame};
@@ -12,7 +12,8 @@ use crate::settings::Settings;
 pub(super) struct Recorder {
     document: SceneDocument,
     frames: Vec<RecordedFrame>,
-    next: u64,
+    /// Frames so far.
+    pub count: u64,
     last_pose: Option<Pose>,
     last_settings: Settings,
     /// Scene file of a rebuilt renderer, for the next frame.
@@ -37,7 +38,7 @@ impl Recorder {
         Self {
             document: session.document_of_renderer(),
             frames: Vec::new(),
-            next: 0,
+            count: 0,
             last_pose: None,
             last_settings: session.settings.clone(),
             new_scene: None,
@@ -45,22 +46,16 @@ impl Recorder {
         }
     }
 
-    /// Notes that the session's renderer was rebuilt.
-    pub fn renewed(&mut self, session: &Session) {
-        self.new_scene = Some(session.document_of_renderer().text());
-        self.edited = None;
-        self.last_pose = None;
-    }
-
-    /// Notes that the session's renderer goes on with an edited scene.
-    pub fn edited(&mut self, session: &Session) {
-        self.edited = Some(session.document_of_renderer().text());
+    /// Notes that the session's renderer was rebuilt, or else goes on with an edited scene.
+    pub fn note_change(&mut self, session: &Session, is_rebuilt: bool) {
+        let text = Some(session.document_of_renderer().text());
+        (self.new_scene, self.edited) = if is_rebuilt { (text, None) } else { (self.new_scene.take(), text) };
         self.last_pose = None;
     }
 
     /// Records a frame.
     pub fn frame(&mut self, session: &Session) {
-        let mut frame = RecordedFrame::between(self.next, self.last_pose.as_ref(), &session.pose);
+        let mut frame = RecordedFrame::between(self.count, self.last_pose.as_ref(), &session.pose);
         frame.scene = self.new_scene.take();
         frame.edited = self.edited.take();
         if frame.scene.is_some() || self.last_settings != session.settings {
@@ -71,18 +66,13 @@ impl Recorder {
         if !frame.is_empty() {
             self.frames.push(frame);
         }
-        self.next += 1;
-    }
-
-    /// Frames so far.
-    pub fn count(&self) -> u64 {
-        self.next
+        self.count += 1;
     }
 
     /// Writes the recording.
     pub fn save(mut self, path: PathBuf) -> Saving {
         // Include the last frame even if nothing moved in it.
-        let last = self.next.saturating_sub(1);
+        let last = self.count.saturating_sub(1);
         if self.frames.last().is_none_or(|frame| frame.frame != last) {
             self.frames.push(RecordedFrame { frame: last, ..RecordedFrame::default() });
         }

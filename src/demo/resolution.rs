@@ -18,7 +18,7 @@ const JUDGED: (usize, f64) = (3, 1e3);
 
 /// Window pixels per picture pixel.
 pub(super) struct Resolution {
-    /// In each direction, 1 to [`COARSEST`].
+    /// The number in each direction, 1 to [`COARSEST`].
     pub coarseness: u32,
     /// Whether it follows the frame rate.
     pub automatic: bool,
@@ -26,7 +26,7 @@ pub(super) struct Resolution {
     in_motion: Option<u32>,
     /// Median cost of a frame as last judged, if it had all pixels, ms.
     full_ms: Option<f64>,
-    /// Of each frame since the last judgement the interval and the cost, ms.
+    /// Interval and cost of each frame since the last judgement, ms.
     frames: Vec<[f64; 2]>,
     /// The largest coarseness that was too fine; 0 if none was.
     too_fine: u32,
@@ -60,7 +60,7 @@ impl Resolution {
     pub fn move_on(&mut self) -> bool {
         let Some(in_motion) = self.in_motion.take() else { return false };
         self.frames.clear();
-        // What was too fine at rest is so in motion.
+        // A size that was too fine at rest is so in motion.
         let wanted = in_motion.max(self.coarseness);
         std::mem::replace(&mut self.coarseness, wanted) != wanted
     }
@@ -88,7 +88,7 @@ impl Resolution {
     pub fn judge(&mut self, interval: f64, cost: f64, aim: f64) -> bool {
         let is_at_rest = self.in_motion.is_some();
         let aim = if is_at_rest { aim.max(LONGEST_AT_REST) } else { aim };
-        // What waits for the display costs less than its interval.
+        // A frame that waits for the display costs less than its interval.
         self.frames.push([interval, cost.min(interval)]);
         if self.frames.len() < JUDGED.0 || self.frames.iter().map(|[ms, _]| ms).sum::<f64>() < JUDGED.1 {
             return false;

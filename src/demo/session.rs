@@ -4,28 +4,19 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3};
-use serde::Serialize;
 
-use super::DemoError;
+use super::action::Selected;
+use super::error::DemoError;
 use super::live_metrics::Shot;
 use super::loader::{Built, Edited};
-use super::undo::{State, Undo};
+use super::transform::carry;
+use super::undo::{Press, State, Undo};
 use crate::bvh::Ray;
-use crate::formats::{LightEntry, ReadFiles, SceneDocument, SceneError};
-use crate::renderer::{Picked, RenderError, Renderer, camera_ray};
+use crate::formats::{ReadFiles, SceneDocument, SceneError};
+use crate::renderer::{DebugView, Picked, RenderError, Renderer, camera_ray};
 use crate::report::FrameReport;
 use crate::scene::{Camera, LightKind, LightType, Pose, Scene};
 use crate::settings::Settings;
-
-/// A selectable entry of the document.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Selected {
-    /// One of the instances.
-    Instance(usize),
-    /// One of the lights.
-    Light(usize),
-}
 
 /// The current scene.
 pub(super) struct Session {
@@ -66,17 +57,21 @@ pub(super) struct Saved {
     pub camera: Camera,
 }
 
-impl Saved {
-    /// Whether there were neither edits since then nor another camera.
-    pub fn is_current(&self, session: &Session) -> bool {
-        !session.is_edited() && self.camera == session.pose.camera
-    }
+/// State of a session that outlives its device, besides the document and the settings.
+pub(super) struct SessionState {
+    pub view: DebugView,
+    selected: Option<Selected>,
+    headlamp: Option<usize>,
+    edits: u64,
+    saved_edits: u64,
+    undo: Undo,
+    saved: Option<Saved>,
 }
 
-/// How an edit takes effect.
+/// The way in which an edit takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
-    /// Without a rebuild.
+    /// The renderer goes on.
     Live,
     /// The renderer must be rebuilt.
     Rebuild,
@@ -124,6 +119,20 @@ impl Session {
         Ok(self.apply()?)
     }
 
+    /// The state that outlives the device.
+    pub fn into_state(self) -> SessionState {
+        let Self { renderer, selected, headlamp, edits, saved_edits, undo, saved, .. } = self;
+        SessionState { view: renderer.view().clone(), selected, headlamp, edits, saved_edits, undo, saved }
+    }
+
+    /// Goes on as before the device was lost.
+    pub fn restore(&mut self, state: SessionState) -> Result<(), RenderError> {
+        self.renderer.set_view(&state.view)?;
+        (self.selected, self.headlamp, self.undo) = (state.selected, state.headlamp, state.undo);
+        (self.edits, self.saved_edits, self.saved) = (state.edits, state.saved_edits, state.saved);
+        Ok(())
+    }
+
     /// The current state, which can be taken back.
     pub fn state(&self) -> State {
         State {
@@ -132,6 +141,37 @@ impl Session {
             headlamp: self.headlamp,
             selected: self.selected,
         }
+    }
+
+    /// Makes a change that can be taken back. The state before it is stored once for all changes of a press, so that a drag clones and
+    /// compares the document in its first frame alone; a change of the window's size is no step.
+    pub fn step<T, E>(
+        &mut self,
+        press: Press,
+        change: impl FnOnce(&mut Self) -> Result<T, E>,
+    ) -> Result<T, E> {
+        let begins = self.undo.begins_step(press);
+        let before = begins.then(|| self.state());
+        let changed = change(self)?;
+        if before.as_ref().is_none_or(|before| !self.is_in(before)) {
+            self.undo.remember(before, press);
+        }
+        Ok(changed)
+    }
+
+    fn is_in(&self, state: &State) -> bool {
+        let settings = Settings { size: self.settings.size, ..state.settings.clone() };
+        (self.headlamp, self.selected) == (state.headlamp, state.selected)
+            && self.settings == settings
+            && self.document == state.document
+    }
+
+    /// Changes the settings; where that cannot be, nothing changes.
+    pub fn set_settings(&mut self, settings: &Settings) -> Result<(), DemoError> {
+        settings.check().map_err(|error| DemoError::Settings { scene: self.name.clone(), error })?;
+        self.renderer.set_settings(settings, &self.pose)?;
+        self.settings.clone_from(settings);
+        Ok(())
     }
 
     /// Whether there are unsaved edits.
@@ -190,10 +230,15 @@ impl Session {
 
     /// Poses the world at animation time `time`, seen by `camera`.
     pub fn go_to_time(&mut self, time: f64, camera: Camera) {
-        self.pose = self.pose_at(time, camera);
+        self.pose = Pose { camera, ..self.live_scene.pose(time) };
+        let headlamp = self.headlamp.and_then(|index| self.document.scene_light(index));
+        if let Some(light) = headlamp.and_then(|index| self.pose.lights.get_mut(index)) {
+            light.position = camera.eye;
+            light.direction = camera.forward();
+        }
     }
 
-    /// Renders the next frame; `pace`: of automatic exposure.
+    /// Renders the next frame; `pace` is that of automatic exposure.
     pub fn render(&mut self, pace: f32) -> Result<(), RenderError> {
         self.renderer.set_exposure_pace(pace);
         self.renderer.render(&self.pose)?;
@@ -208,14 +253,20 @@ impl Session {
         Ok(Shot { size: self.settings.size, pixels: self.renderer.read_display()? })
     }
 
-    fn pose_at(&self, time: f64, camera: Camera) -> Pose {
-        let mut pose = Pose { camera, ..self.live_scene.pose(time) };
-        let headlamp = self.headlamp.and_then(|index| self.document.scene_light(index));
-        if let Some(light) = headlamp.and_then(|index| pose.lights.get_mut(index)) {
-            light.position = camera.eye;
-            light.direction = camera.forward();
+    /// Replaces an entry of the document; where that cannot be, nothing changes.
+    pub fn replace<T>(
+        &mut self,
+        entry: T,
+        find: impl Fn(&mut SceneDocument) -> Option<&mut T>,
+    ) -> Result<Change, SceneError> {
+        let Some(place) = find(&mut self.document) else { return Ok(Change::Live) };
+        let before = std::mem::replace(place, entry);
+        let change = self.apply();
+        match (&change, find(&mut self.document)) {
+            (Err(_), Some(place)) => *place = before,
+            _ => self.edits += 1,
         }
-        pose
+        change
     }
 
     /// Changes the document; where that cannot be, nothing changes.
@@ -284,47 +335,6 @@ impl Session {
         document
     }
 
-    /// The name of an entry, to be read.
-    pub fn name_of(&self, selected: Selected) -> String {
-        match selected {
-            Selected::Light(index) => {
-                let Some(light) = self.document.lights().nth(index) else { return String::new() };
-                let name = light.name.clone().unwrap_or_else(|| format!("light {}", index + 1));
-                format!("{name} ({})", label(light.kind))
-            }
-            Selected::Instance(index) => {
-                let instance = self.document.instances().nth(index);
-                instance.map_or_else(String::new, |known| known.name.as_ref().unwrap_or(&known.model).clone())
-            }
-        }
-    }
-
-    /// Current position of an entry, world space.
-    pub fn place_of(&self, selected: Selected) -> Option<Vec3> {
-        match selected {
-            Selected::Instance(index) => {
-                self.pose.instances.get(index).map(|transform| transform.translation.into())
-            }
-            Selected::Light(index) => {
-                if let Some(instance) = self.document.light_instance(index) {
-                    return self.pose.instances.get(instance).map(|transform| transform.translation.into());
-                }
-                let light = self.pose.lights.get(self.document.scene_light(index)?)?;
-                match light.kind {
-                    LightKind::Point { .. } | LightKind::Spot { .. } => Some(light.position),
-                    // It has no position; place its handles at the scene's centre.
-                    LightKind::Directional { .. } => {
-                        let (low, high) = self.renderer.bounds();
-                        Some(0.5 * (low + high))
-                    }
-                    LightKind::Area { instance, .. } => {
-                        self.pose.instances.get(instance).map(|transform| transform.translation.into())
-                    }
-                }
-            }
-        }
-    }
-
     /// Whether the camera is outside of everything, where that of the scene is inside.
     pub fn camera_is_outside(&self) -> bool {
         let (low, high) = self.renderer.bounds();
@@ -351,26 +361,6 @@ impl Session {
 
     fn extent(&self) -> Vec2 {
         Vec2::from_array(self.settings.size.map(|side| side as f32))
-    }
-}
-
-/// Name of a kind of light.
-pub(super) fn label(kind: LightType) -> &'static str {
-    match kind {
-        LightType::Point => "point",
-        LightType::Spot => "spot",
-        LightType::Directional => "directional",
-        LightType::Area => "area",
-    }
-}
-
-/// Moves a light to the camera.
-pub(super) fn carry(light: &mut LightEntry, camera: &Camera) {
-    if matches!(light.kind, LightType::Point | LightType::Spot) {
-        light.position = Some(camera.eye.to_array());
-    }
-    if matches!(light.kind, LightType::Spot | LightType::Directional) {
-        light.direction = Some(camera.forward().to_array());
     }
 }
 

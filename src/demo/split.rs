@@ -3,12 +3,10 @@
 //! Two methods take turns: each gets half of the time, so that the faster one draws more frames, and each shows the world as it
 //! was when it drew. Where both are compared, they draw the same moment.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use serde::Serialize;
-
-use super::DemoError;
+use super::action::RightSide;
+use super::error::DemoError;
 use super::file_picture::FilePicture;
 use super::live_metrics::{LiveMetrics, Logged, Shot};
 use super::live_reference::LiveReference;
@@ -21,18 +19,6 @@ use crate::vulkan::{Device, Pane};
 
 /// Most frames that one side draws while the other waits.
 const MOST_FRAMES: f64 = 32.0;
-
-/// The picture to show right of the divider.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RightSide {
-    /// A renderer with these settings; their size is that of the picture.
-    Settings(Box<Settings>),
-    /// The path tracer's picture, as long as nothing moves.
-    Reference,
-    /// The picture of a file.
-    Picture(PathBuf),
-}
 
 /// The divided window.
 pub(super) struct Split {
@@ -63,7 +49,7 @@ pub(super) struct Other {
 }
 
 impl RightSide {
-    /// What tells something beside `settings`: one temporal set beside several, or several beside one; VPLs beside other methods.
+    /// Settings that differ tellingly from `settings`: one temporal set beside several, or several beside one; VPLs beside other methods.
     pub fn beside(settings: &Settings) -> Self {
         let mut other = settings.clone();
         let axis = estimators::method(settings).axes.iter().find(|axis| axis.divides_work);
@@ -90,11 +76,25 @@ impl Split {
         }
     }
 
-    /// Sets what is right of the divider; none: what is there has changed.
-    pub fn set_right(&mut self, right: Option<Right>) {
-        if let Some(right) = right {
-            self.right = right;
+    /// Sets what is right of the divider.
+    pub fn set_right(&mut self, right: Right) {
+        self.right = right;
+        self.restart();
+    }
+
+    /// Goes on with the renderer right of the divider by other settings.
+    pub fn set_settings(&mut self, session: &Session, settings: &Settings) -> Result<(), DemoError> {
+        if let Right::Renderer(other) = &mut self.right {
+            let settings = Settings { size: session.settings.size, ..settings.clone() };
+            other.renderer.set_settings(&settings, &session.pose)?;
+            other.settings = settings;
         }
+        self.restart();
+        Ok(())
+    }
+
+    /// Compares and shares time anew, since one of the sides has changed.
+    fn restart(&mut self) {
         self.metrics.forget();
         self.taken_ms = [0.0; 2];
     }
@@ -151,10 +151,7 @@ impl Split {
 
     /// Whether no frame of the right side would differ from the last one. What the CPU draws goes on by itself.
     pub fn is_frozen(&self) -> bool {
-        match &self.right {
-            Right::Renderer(other) => other.renderer.is_frozen(),
-            Right::Reference(_) | Right::Picture(_) => true,
-        }
+        !matches!(&self.right, Right::Renderer(other) if !other.renderer.is_frozen())
     }
 
     /// The right side's picture for the whole window; none where the reference has no picture yet.
@@ -170,7 +167,7 @@ impl Split {
     pub fn right_of_cpu(&self) -> Option<&Arc<Shot>> {
         match &self.right {
             Right::Renderer(_) => None,
-            Right::Reference(reference) => reference.progress().map(|progress| &progress.shot),
+            Right::Reference(reference) => reference.progress.as_ref().map(|progress| &progress.shot),
             Right::Picture(picture) => Some(&picture.shot),
         }
     }
@@ -178,7 +175,7 @@ impl Split {
     /// A comparison for the log, once.
     pub fn take_log(&mut self) -> Option<Logged> {
         let samples = match &self.right {
-            Right::Reference(reference) => reference.progress().map(|progress| progress.samples),
+            Right::Reference(reference) => reference.progress.as_ref().map(|progress| progress.samples),
             Right::Renderer(_) | Right::Picture(_) => None,
         };
         self.metrics.take_log(samples)
@@ -198,24 +195,17 @@ impl Split {
 }
 
 impl Right {
-    /// Other settings right of the divider. The renderer that is there goes on with them; with a new one, that of the session starts
-    /// again, so that both have the same past.
+    /// A new renderer with these settings. The session's renderer starts again, so that both have the same past.
     pub fn of_settings(
         device: &Arc<Device>,
         session: &mut Session,
         settings: &Settings,
-        there: Option<&mut Other>,
-    ) -> Result<Option<Self>, DemoError> {
+    ) -> Result<Self, DemoError> {
         let settings = Settings { size: session.settings.size, ..settings.clone() };
-        if let Some(other) = there {
-            other.renderer.set_settings(&settings, &session.pose)?;
-            other.settings = settings;
-            return Ok(None);
-        }
         let prepared = session.renderer.prepared();
         let renderer = Renderer::with_scene(device, prepared.clone(), &settings, &session.pose)?;
         session.renderer.replace_scene(prepared, &session.settings, &session.pose)?;
-        Ok(Some(Self::Renderer(Box::new(Other { renderer, settings, report: FrameReport::default() }))))
+        Ok(Self::Renderer(Box::new(Other { renderer, settings, report: FrameReport::default() })))
     }
 }
 

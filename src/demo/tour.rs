@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use glam::{Quat, Vec3};
 use image::{Rgb, RgbImage};
 
-use super::DemoError;
-use super::action::Action;
-use super::compare::{Comparison, Wanted};
+use super::action::{Action, Actions, AppAction, EditAction, RequestedSettings, RightSide, ViewAction};
+use super::compare::Comparison;
+use super::error::DemoError;
 use super::live_metrics::Shot;
 use super::session::Session;
-use super::split::{Right, RightSide, Split};
+use super::split::{Right, Split};
 use super::undo::Undo;
 use crate::estimators::vpls::{PathStyle, VplDebugView};
 use crate::output::OutputFile;
@@ -158,13 +158,13 @@ pub(super) struct Before {
     pub paused: bool,
     /// Whether the resolution followed the rate.
     pub automatic: bool,
-    /// Without the steps of the tour.
+    /// The steps of undo before the tour.
     pub undo: Undo,
 }
 
 /// The work of a frame of the tour.
 pub(super) struct TourFrame {
-    pub actions: Vec<Action>,
+    pub actions: Actions,
     pub camera: Camera,
     /// Whether a stop begins.
     pub begins: bool,
@@ -191,14 +191,14 @@ impl Tour {
         };
         let left = rate(&session.report);
         let below = match (
-            comparison.filter(|comparison| comparison.is_running()),
+            comparison.filter(|comparison| comparison.bench.is_running()),
             split.map(|split| &split.right),
         ) {
             (Some(comparison), _) => {
                 format!("waits: {:.0} % measured", 100.0 * comparison.bench.progress().0)
             }
             (_, Some(Right::Renderer(other))) => format!("left {left}, right {}", rate(&other.report)),
-            (_, Some(Right::Reference(reference))) => match reference.progress() {
+            (_, Some(Right::Reference(reference))) => match &reference.progress {
                 Some(progress) => format!("{} samples a pixel", progress.samples),
                 None => "waits for the first sample of each pixel".to_owned(),
             },
@@ -227,12 +227,12 @@ impl Tour {
         }
         let Some(stop) = STOPS.get(self.stop) else { return Ok(None) };
         let due = stop.acts.iter().filter(|(at, _)| *at <= self.time).count();
-        let mut actions: Vec<Action> =
-            stop.acts[self.acts..due].iter().map(|(_, act)| self.action(*act, session)).collect();
+        let mut actions = Actions::default();
+        actions.extend(stop.acts[self.acts..due].iter().map(|(_, act)| self.action(*act, session)));
         self.acts = due;
         let share = (self.time / STOP) as f32;
         if let Some(Right::Renderer(_)) = split.map(|split| &split.right) {
-            actions.push(Action::MoveDivider(0.5 + 0.3 * (TAU * share).sin()));
+            actions.push(ViewAction::MoveDivider(0.5 + 0.3 * (TAU * share).sin()));
         }
         let [degrees, times] = stop.sway;
         let angle = degrees.to_radians() * (TAU * times * share).sin();
@@ -242,7 +242,7 @@ impl Tour {
         Ok(Some(TourFrame { actions, camera, begins: first || ends }))
     }
 
-    /// Writes the sheet. What to go back to, and whether the tour was only to draw its sheet.
+    /// Writes the sheet. Returns the state to go back to, and whether the tour was only to draw its sheet.
     pub fn end(self) -> Result<(Before, bool), DemoError> {
         let Some((path, shots)) = &self.sheet else { return Ok((self.before, false)) };
         let (size, pixels) = joined(shots);
@@ -257,18 +257,18 @@ impl Tour {
     }
 
     fn action(&self, act: Act, session: &Session) -> Action {
+        let now = || session.settings.clone();
+        let beside = |right: Settings| ViewAction::Split(Some(RightSide::Settings(Box::new(right)))).into();
+        let set = |settings: Settings| EditAction::Set(Box::new(settings)).into();
         match act {
             Act::Sets(sets) => {
-                let vpl = VplSettings {
-                    temporal_sets: sets.min(session.settings.vpl.slots),
-                    ..session.settings.vpl
-                };
-                Action::Set(Box::new(Settings { vpl, indirect: Indirect::VPLS, ..session.settings.clone() }))
+                let temporal_sets = sets.min(session.settings.vpl.slots);
+                let vpl = VplSettings { temporal_sets, ..session.settings.vpl };
+                set(Settings { vpl, indirect: Indirect::VPLS, ..now() })
             }
             Act::FewVpls(few) => {
                 let pool = if few { FEW } else { self.before.settings.vpl.pool };
-                let vpl = VplSettings { pool, ..session.settings.vpl };
-                Action::Set(Box::new(Settings { vpl, ..session.settings.clone() }))
+                set(Settings { vpl: VplSettings { pool, ..session.settings.vpl }, ..now() })
             }
             Act::Paths(shown) => {
                 let mut view = session.renderer.view().clone();
@@ -276,31 +276,28 @@ impl Tour {
                     options.vpl_paths = shown.then(PathStyle::default);
                     options.path_sample = Some(FEW);
                 });
-                Action::View(Box::new(view))
+                ViewAction::View(Box::new(view)).into()
             }
-            Act::Pause(paused) => Action::Pause(paused),
-            Act::Method(indirect, denoise) => {
-                Action::Set(Box::new(with_method(&session.settings, indirect, denoise)))
-            }
-            Act::Beside(indirect, denoise) => {
-                let right = with_method(&session.settings, indirect, denoise);
-                Action::Split(Some(RightSide::Settings(Box::new(right))))
-            }
-            Act::Reference => Action::Split(Some(RightSide::Reference)),
+            Act::Pause(paused) => ViewAction::Pause(paused).into(),
+            Act::Method(indirect, denoise) => set(with_method(&session.settings, indirect, denoise)),
+            Act::Beside(indirect, denoise) => beside(with_method(&session.settings, indirect, denoise)),
+            Act::Reference => ViewAction::Split(Some(RightSide::Reference)).into(),
             Act::Cache => {
-                let mut right = session.settings.clone();
+                let mut right = now();
                 right.paths.filter = PathFilter::Cache;
-                Action::Split(Some(RightSide::Settings(Box::new(right))))
+                beside(right)
             }
-            Act::Compare(true) => Action::Compare(
-                "vpls".parse().ok().map(|vpls| Wanted { sets: FEW_SETS.to_vec(), methods: vec![vpls] }),
-            ),
-            Act::Compare(false) => Action::Compare(None),
-            Act::Join => Action::Split(None),
+            Act::Compare(begins) => {
+                let vpls = "vpls".parse().ok().filter(|_| begins);
+                let requested =
+                    vpls.map(|vpls| RequestedSettings { sets: FEW_SETS.to_vec(), methods: vec![vpls] });
+                AppAction::Compare(requested).into()
+            }
+            Act::Join => ViewAction::Split(None).into(),
         }
     }
 
-    /// Keeps what is on screen for the sheet.
+    /// Keeps the picture on screen for the sheet.
     fn take_shot(&mut self, session: &Session, split: Option<&Split>) -> Result<(), DemoError> {
         let Some((_, shots)) = &mut self.sheet else { return Ok(()) };
         let mut shot = session.shot()?;

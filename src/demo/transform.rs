@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use crate::formats::{AxisAngle, InstanceEntry, KeyframeEntry, LightEntry, RotationEntry, ScaleEntry};
-use crate::scene::Keyframe;
+use crate::scene::{Camera, Keyframe, LightType};
 
 fn plus(place: [f32; 3], way: Vec3) -> [f32; 3] {
     (Vec3::from_array(place) + way).to_array()
@@ -72,6 +72,16 @@ pub(super) fn moved_light(entry: &LightEntry, way: Vec3) -> LightEntry {
     }
 }
 
+/// Moves a light to the camera.
+pub(super) fn carry(light: &mut LightEntry, camera: &Camera) {
+    if matches!(light.kind, LightType::Point | LightType::Spot) {
+        light.position = Some(camera.eye.to_array());
+    }
+    if matches!(light.kind, LightType::Spot | LightType::Directional) {
+        light.direction = Some(camera.forward().to_array());
+    }
+}
+
 /// A light rotated in its place.
 pub(super) fn rotated_light(entry: &LightEntry, turn: Quat) -> LightEntry {
     LightEntry {
@@ -99,7 +109,6 @@ fn about_middle(polygon: [[f32; 3]; 4], place: impl Fn(Vec3) -> Vec3) -> [[f32; 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::LightType;
 
     #[test]
     fn turns_of_an_instance_add_up() {

@@ -1,11 +1,11 @@
 //! Undo: edits of the scene, and settings, can be taken back.
 
-use super::session::Selected;
+use super::action::Selected;
 use crate::formats::SceneDocument;
 use crate::settings::Settings;
 
 /// Steps to keep.
-const KEPT: usize = 200;
+const LENGTH: usize = 200;
 
 /// The state that an edit changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl Press {
         }
     }
 
-    /// The frame has done what the press wanted.
+    /// Notes that the frame has executed the actions of the press.
     pub fn end_frame(&mut self) {
         self.is_down &= !self.is_released;
     }
@@ -55,31 +55,27 @@ impl Press {
 }
 
 impl Undo {
-    /// Notes the state before an edit that was made during `press`.
-    pub fn remember(&mut self, before: State, press: Press) {
-        let same_press = press.current().is_some() && press.current() == self.press;
+    /// Whether a change during `press` would be a step of its own; if not, it belongs to the last one.
+    pub fn begins_step(&self, press: Press) -> bool {
+        press.current().is_none() || press.current() != self.press
+    }
+
+    /// Notes the state before the first change of a step; none: the step goes on.
+    pub fn remember(&mut self, before: Option<State>, press: Press) {
         self.press = press.current();
         self.future.clear();
-        if same_press {
-            return;
-        }
-        if self.past.len() == KEPT {
+        if self.past.len() == LENGTH && before.is_some() {
             self.past.remove(0);
         }
-        self.past.push(before);
+        self.past.extend(before);
     }
 
-    /// Steps back from `now`: the state before it.
-    pub fn back(&mut self, now: State) -> Option<State> {
-        Self::step(&mut self.past, &mut self.future, now)
-    }
-
-    /// Steps forward again from `now`.
-    pub fn forward(&mut self, now: State) -> Option<State> {
-        Self::step(&mut self.future, &mut self.past, now)
-    }
-
-    fn step(from: &mut Vec<State>, to: &mut Vec<State>, now: State) -> Option<State> {
+    /// Steps from `now` to the state before it, or forward again to the one after it.
+    pub fn step(&mut self, is_back: bool, now: State) -> Option<State> {
+        let (mut from, mut to) = (&mut self.past, &mut self.future);
+        if !is_back {
+            std::mem::swap(&mut from, &mut to);
+        }
         let state = from.pop()?;
         to.push(now);
         Some(state)

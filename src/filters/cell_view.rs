@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::cells::{CellBuffers, CellPush};
+use super::cell_map::{CellBuffers, CellPush};
 use crate::passes::buffer_view::View;
 use crate::passes::frame_inputs::FrameInputs;
 use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders};

@@ -5,9 +5,9 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
 
+use super::cell_map::{CellBuffers, CellPush};
 use super::cell_view::CellViewPass;
 use super::{FilterInputs, pixel_spread, vertices};
 use crate::passes::frame_inputs::FrameInputs;
@@ -16,7 +16,7 @@ use crate::passes::storage_image;
 use crate::report::PassInfo;
 use crate::scene::{Environment, Light, Pose};
 use crate::settings::{CellSettings, PathFilter, Settings};
-use crate::vulkan::{Buffer, ComputePipeline, Device, Frame, Image, Pass, VulkanError, shaders, vk};
+use crate::vulkan::{ComputePipeline, Device, Frame, Image, VulkanError, shaders, vk};
 
 /// The passes, in the order of the frame.
 pub const PASSES: [PassInfo; 4] = [
@@ -38,8 +38,6 @@ pub const FIRST_KEPT: usize = 8;
 /// Words of all counters.
 pub const COUNTER_WORDS: u64 = 32;
 
-/// Words of a slot's sums. Twin: SUM_WORDS in shaders/include/cells.glsl.
-const SUM_WORDS: u64 = 8;
 /// Frames that the mean of a cell is of while lights or objects change, and for how many frames afterwards.
 const CHANGING_WINDOW: u32 = 2;
 const CHANGING_FRAMES: u32 = 8;
@@ -49,32 +47,6 @@ const FLUSHING_FRAMES: u32 = 4;
 /// Growth of the window by each frame, where light of further bounces takes frames to arrive: a mean of all frames since would hold the
 /// dark first ones too long, as it then nears the light of all bounces by a power of the frames of only 1 less the albedo.
 const GROWTH: f32 = 0.25;
-
-/// `CellPush` in shaders/filters/cell_push.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct CellPush {
-    spread: f32,
-    widening: f32,
-    jitter: f32,
-    jitters: u32,
-    bits: u32,
-    normal: u32,
-    probes: u32,
-    levels: u32,
-    samples: u32,
-    window: u32,
-    growth: f32,
-    life: u32,
-    view: u32,
-}
-
-impl CellPush {
-    /// For the view of this number.
-    pub(super) fn for_view(self, view: u32) -> Self {
-        Self { view, ..self }
-    }
-}
 
 /// The filter.
 pub struct CellFilter {
@@ -91,48 +63,6 @@ pub struct CellFilter {
     lit_by: LitBy,
     constants: [u32; 5],
     view: Option<CellViewPass>,
-}
-
-/// The hash map on the device: shaders/include/cell_map.glsl.
-pub(super) struct CellBuffers {
-    keys: Buffer,
-    sums: Buffer,
-    means: Buffer,
-    ages: Buffer,
-    capacity: u32,
-    is_cleared: bool,
-}
-
-impl CellBuffers {
-    fn new(device: &Arc<Device>, settings: &CellSettings) -> Result<Self, VulkanError> {
-        let capacity = settings.capacity.next_power_of_two();
-        let buffer = |name, size| Buffer::new(device, name, u64::from(capacity) * size);
-        Ok(Self {
-            keys: buffer("cell_keys", 4)?,
-            sums: buffer("cell_sums", 4 * SUM_WORDS)?,
-            means: buffer("cell_means", 16)?,
-            ages: buffer("cell_ages", 4)?,
-            capacity,
-            is_cleared: false,
-        })
-    }
-
-    pub(super) fn ages(&self) -> &Buffer {
-        &self.ages
-    }
-
-    fn clear_once(&mut self, frame: &mut Frame<'_>) {
-        if !self.is_cleared {
-            for buffer in [&self.keys, &self.sums, &self.means, &self.ages] {
-                frame.clear(buffer);
-            }
-            self.is_cleared = true;
-        }
-    }
-
-    pub(super) fn bind<'f>(&'f self, pass: Pass<'f>) -> Pass<'f> {
-        pass.write("cell_keys", &self.keys).write("cell_sums", &self.sums).write("cell_means", &self.means)
-    }
 }
 
 /// Causes of the light in cells, to forget sooner what has changed.
@@ -284,7 +214,7 @@ impl CellFilter {
             .dispatch_over(extent)?;
         self.map
             .bind(frame.pass("cells_resolve", &self.resolve))
-            .write("cell_ages", &self.map.ages)
+            .write("cell_ages", self.map.ages())
             .write("ray_counters", filter.counters)
             .push(&push)
             .dispatch_threads([self.map.capacity, 1, 1])?;

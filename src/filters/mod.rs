@@ -2,6 +2,7 @@
 //!
 //! In: irradiance of the visible surfaces by paths, and the vertices of these. Out: irradiance. They know nothing of how paths are traced.
 
+mod cell_map;
 mod cell_view;
 mod cells;
 mod window;

@@ -9,7 +9,6 @@ use std::sync::{Arc, OnceLock};
 use glam::{Quat, Vec2, Vec3};
 
 use super::light::luminance;
-use super::suns::Separated;
 use crate::sampling;
 
 /// An environment.
@@ -40,8 +39,26 @@ pub struct EnvironmentMap {
     integral: f32,
     /// Average over all directions.
     mean: Vec3,
-    /// Result of [`Self::separated`].
-    separated: OnceLock<Option<Separated>>,
+    /// Its suns and its sky, once suns.rs has searched for them.
+    pub(super) separated: OnceLock<Option<Separated>>,
+}
+
+/// A sun of a map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sun {
+    /// Unit vector towards it, as the map lies unturned.
+    pub direction: Vec3,
+    /// Across that, where the map's values are radiance in W/m^2/sr; W/m^2.
+    pub irradiance: Vec3,
+    /// Of a disc of the same solid angle, radians.
+    pub half_angle: f32,
+}
+
+/// A map in two parts.
+#[derive(Clone, Debug)]
+pub(super) struct Separated {
+    pub suns: Vec<Sun>,
+    pub sky: Arc<EnvironmentMap>,
 }
 
 impl std::fmt::Debug for EnvironmentMap {
@@ -165,16 +182,6 @@ impl EnvironmentMap {
         map.rows.extend(cumulative(&row_weights, total));
         map.integral = total as f32;
         map
-    }
-
-    /// Suns and the rest, if it has any: see suns.rs. Searches for them at the first call.
-    pub(super) fn separated(&self) -> Option<&Separated> {
-        self.separated.get_or_init(|| Separated::of(self)).as_ref()
-    }
-
-    /// The map without its suns; none if it has none.
-    pub(crate) fn sky(&self) -> Option<&Self> {
-        self.separated().map(|separated| &**separated.sky())
     }
 
     /// A map in which no suns are to be found.

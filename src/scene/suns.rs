@@ -15,7 +15,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::contents::Pose;
-use super::environment::{Environment, EnvironmentMap, direction_of};
+use super::environment::{Environment, EnvironmentMap, Separated, Sun, direction_of};
 use super::light::{Light, LightKind, luminance};
 
 /// Suns that are cut out, and bright regions that are looked at, at most.
@@ -31,24 +31,6 @@ const LEAST_IRRADIANCE: f32 = 0.1;
 const WIDEST: f32 = 0.1;
 /// How far texels may be from the middle, in half angles of a disc of the same solid angle.
 const LONGEST: f32 = 2.0;
-
-/// A sun of a map.
-#[derive(Clone, Copy, Debug)]
-struct Sun {
-    /// Unit vector towards it, as the map lies unturned.
-    direction: Vec3,
-    /// Across that, where the map's values are radiance in W/m^2/sr; W/m^2.
-    irradiance: Vec3,
-    /// Half angle of a disc of the same solid angle, radians.
-    half_angle: f32,
-}
-
-/// A map in two parts.
-#[derive(Clone, Debug)]
-pub(super) struct Separated {
-    suns: Vec<Sun>,
-    sky: Arc<EnvironmentMap>,
-}
 
 impl Pose {
     /// The pose with the suns of its environment as lights after all others.
@@ -77,7 +59,7 @@ impl Pose {
 
 impl Separated {
     /// The suns of a map, if it has any, and its sky.
-    pub(super) fn of(map: &EnvironmentMap) -> Option<Self> {
+    fn of(map: &EnvironmentMap) -> Option<Self> {
         let (width, height, texels) = map.texels();
         let mut search =
             Search { width, height, texels: texels.to_vec(), rejected: vec![false; texels.len()] };
@@ -100,10 +82,17 @@ impl Separated {
         let sky = || Arc::new(EnvironmentMap::without_suns(width, height, search.texels));
         (!suns.is_empty()).then(|| Self { sky: sky(), suns })
     }
+}
 
-    /// The map without the suns.
-    pub(super) fn sky(&self) -> &Arc<EnvironmentMap> {
-        &self.sky
+impl EnvironmentMap {
+    /// Its suns and the rest, if it has any. Searches for them at the first call.
+    fn separated(&self) -> Option<&Separated> {
+        self.separated.get_or_init(|| Separated::of(self)).as_ref()
+    }
+
+    /// The map without its suns; none if it has none.
+    pub(crate) fn sky(&self) -> Option<&Self> {
+        self.separated().map(|separated| &*separated.sky)
     }
 }
 

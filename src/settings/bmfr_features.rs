@@ -4,12 +4,7 @@ use std::fmt::{Debug, Display, Formatter, Result as FormatResult};
 
 use toml::Value;
 
-use super::value::SettingType;
-
-/// Most features of a fit.
-pub(super) const MOST_FEATURES: usize = 64;
-/// Completes "must be".
-pub(super) const FEATURES_HELP: &str = "1 to 64 features with commas between, each a product of at most three of 1, nx, ny, nz, wx, wy, wz, d, r, ar, ag, ab, such as wx*wx, or their roots, such as sqrt(nx)";
+use super::value::{MOST_FEATURES, SettingType};
 
 /// Features of a surface; a code is the place plus one. Twin: `factor_of` in shaders/denoise/bmfr_features.glsl.
 const FACTORS: [&str; 11] = ["nx", "ny", "nz", "wx", "wy", "wz", "d", "ar", "ag", "ab", "r"];

@@ -7,7 +7,10 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use toml::Value;
 
-use super::bmfr_features::{FEATURES_HELP, MOST_FEATURES};
+/// Most features of a fit by BMFR.
+pub(super) const MOST_FEATURES: usize = 64;
+/// Completes "must be".
+const FEATURES_HELP: &str = "1 to 64 features with commas between, each a product of at most three of 1, nx, ny, nz, wx, wy, wz, d, r, ar, ag, ab, such as wx*wx, or their roots, such as sqrt(nx)";
 
 /// Values that a setting accepts. `Display` completes the sentence "must be ...".
 #[derive(Clone, Copy, Debug)]

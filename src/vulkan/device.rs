@@ -1,7 +1,6 @@
 //! The logical device, its queue and allocator, and one-time submissions.
 
 use std::mem::ManuallyDrop;
-use std::ops::Deref;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{ext, vk};
@@ -12,31 +11,10 @@ use super::loss::Loss;
 use super::meter::MemoryMeter;
 use super::physical::{DeviceInfo, choose, create_device, physical_devices, queue_family, why_no_window};
 use super::pipeline::{Compute, ComputeKey, Graphics, GraphicsDescription, PipelineCache};
+use super::raw_device::RawDevice;
 use super::ray_query::RayQueries;
 use super::shared_set::SharedLayout;
 use super::{Instance, Surface, VulkanError};
-
-/// The handle and functions of a logical device, destroyed when the [`Device`] and all that it made are gone.
-pub(super) struct RawDevice {
-    functions: ash::Device,
-    _instance: Arc<Instance>,
-}
-
-impl Deref for RawDevice {
-    type Target = ash::Device;
-
-    fn deref(&self) -> &ash::Device {
-        &self.functions
-    }
-}
-
-impl Drop for RawDevice {
-    fn drop(&mut self) {
-        let _guard = creation_lock();
-        // SAFETY: every object of the device holds an `Arc` of this or of the `Device`, so none is left.
-        unsafe { self.functions.destroy_device(None) };
-    }
-}
 
 /// A logical device with one queue for graphics, compute and transfers.
 pub struct Device {

@@ -7,7 +7,7 @@ use bytemuck::Pod;
 
 use super::access::{Access, Barrier};
 use super::barrier::record_barriers;
-use super::frame_slot::{READBACK_SIZE, Slot};
+use super::frame_slot::{FrameTimes, READBACK_SIZE, Slot};
 use super::{
     Buffer, BufferSlice, ComputePipeline, Device, GraphicsPipeline, Image, Pass, Resource, SharedSet,
     VulkanError,
@@ -15,18 +15,6 @@ use super::{
 
 /// Frames in flight: the CPU records one while the device executes the other.
 const IN_FLIGHT: usize = 2;
-
-/// Timings and readback of a finished frame.
-#[derive(Clone, Debug, Default)]
-pub struct FrameTimes {
-    /// Number of the frame, from 0.
-    pub frame: u64,
-    /// Device time of each pass up to the start of the next, ms, in the order of recording; a name may occur several
-    /// times.
-    pub passes: Vec<(&'static str, f64)>,
-    /// Bytes that [`Frame::read_back`] copied.
-    pub readback: Vec<u8>,
-}
 
 /// Records and submits frames.
 pub struct Frames {

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
-use super::frame::FrameTimes;
 use super::upload::mapped;
 use super::{Buffer, Device, VulkanError};
 
@@ -17,6 +16,18 @@ const MAX_TIMESTAMPS: u32 = 4096;
 const MIN_CHUNK: u64 = 1 << 20;
 /// Most bytes that a frame reads back.
 pub(super) const READBACK_SIZE: u64 = 512;
+
+/// Timings and readback of a finished frame.
+#[derive(Clone, Debug, Default)]
+pub struct FrameTimes {
+    /// Number of the frame, from 0.
+    pub frame: u64,
+    /// Device time of each pass up to the start of the next, ms, in the order of recording; a name may occur several
+    /// times.
+    pub passes: Vec<(&'static str, f64)>,
+    /// What [`Frame::read_back`](super::Frame::read_back) copied.
+    pub readback: Vec<u8>,
+}
 
 /// Resources of one frame in flight.
 pub(super) struct Slot {

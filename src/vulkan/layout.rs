@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::device::RawDevice;
+use super::raw_device::RawDevice;
 use super::reflect::{Binding, BindingKind};
 use super::shared_set::SHARED_SET;
 use super::{Device, Reflection, VulkanError};

@@ -9,6 +9,7 @@
 mod acceleration;
 mod access;
 mod barrier;
+mod descriptors;
 mod device;
 mod draw;
 mod error;
@@ -28,6 +29,7 @@ mod pipeline;
 mod present;
 #[cfg(feature = "window")]
 mod present_slot;
+mod raw_device;
 mod ray_query;
 mod reflect;
 #[cfg(feature = "shader-reload")]
@@ -63,7 +65,8 @@ pub use ash::vk;
 pub use device::Device;
 pub use draw::{DrawList, Targets};
 pub use error::VulkanError;
-pub use frame::{Frame, FrameTimes, Frames, Upload};
+pub use frame::{Frame, Frames, Upload};
+pub use frame_slot::FrameTimes;
 pub use instance::{Instance, InstanceOptions};
 pub use material_sets::MaterialSets;
 pub use memory::{Buffer, BufferSlice, Image, ImageDescription};

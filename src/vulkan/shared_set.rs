@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use ash::vk;
 
+use super::descriptors::write_descriptors;
 use super::reflect::{Binding, BindingKind};
 use super::{Device, Reflection, Resource, VulkanError, shaders};
 
@@ -98,7 +99,7 @@ impl<'a> SharedSet<'a> {
             let stands_in = |(_, resource): &&(&str, Resource<'_>)| resource.is_of(binding.kind);
             bound.extend(resources.iter().find(stands_in).map(|(_, resource)| (*binding, *resource)));
         }
-        super::pass::write_descriptors(device, raw, &bound);
+        write_descriptors(device, raw, &bound);
         Ok(Self { raw, resources: resources.into_iter().collect() })
     }
 }

@@ -3,12 +3,11 @@
 use clap::ValueEnum;
 use egui::{ComboBox, Label, RichText, Ui};
 
-use super::scene::short;
-use super::settings::name_of;
-use super::{PanelState, Places, Shown, place};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::thumbnails::Thumbnails;
+use super::widgets::{Output, name_of, short};
+use crate::demo::action::{AppAction, EditAction, RightSide, ViewAction};
 use crate::demo::session::Session;
-use crate::demo::split::RightSide;
 use crate::estimators;
 use crate::settings::{Direct, Indirect, Preset, Settings};
 
@@ -24,51 +23,36 @@ const THUMBNAIL: egui::Vec2 = egui::vec2(64.0, 36.0);
 const MENU: f32 = 290.0;
 /// Width of a setting's values in the bar, points.
 const AXIS: f32 = 160.0;
-/// Width of all that the bar holds, points.
-const FULL: f32 = 1275.0;
-/// Height of a row and of the margins, points.
-const ROW: f32 = 22.0;
-const MARGINS: f32 = 4.0;
-
-/// Height of the bar in a window of this width, points: whatever it shows, so that the picture keeps its size.
-pub(super) fn height(width: f32) -> f32 {
-    MARGINS + ROW * (FULL / width.max(1.0)).ceil().clamp(1.0, 3.0)
-}
-
-pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn draw(ui: &mut Ui, thumbnails: &mut Thumbnails, shown: &Shown<'_>, out: &mut Output) {
     ui.horizontal_wrapped(|ui| {
         rate(ui, shown);
-        scenes(ui, state, shown, actions);
-        let Some(session) = shown.session else { return };
-        let places = &mut state.places;
+        scenes(ui, thumbnails, shown, out);
+        let Some(session) = shown.session() else { return };
         let mut settings = session.settings.clone();
-        methods(ui, &mut settings, places);
-        axes(ui, &mut settings, places);
+        methods(ui, &mut settings, out);
+        axes(ui, &mut settings, out);
         ui.separator();
-        for (preset, what) in QUALITIES {
+        for (preset, about) in QUALITIES {
             let (name, preset) = (name_of(&preset), session.settings.with_preset(preset));
-            let label = ui.selectable_label(preset == session.settings, &name).on_hover_text(what);
-            place(ui, places, &name, &label);
+            let label = ui.selectable_label(preset == session.settings, &name).on_hover_text(about);
+            out.place(ui, &name, &label);
             if label.clicked() {
                 settings = preset;
             }
         }
         ui.separator();
         let split = ui
-            .selectable_label(shown.split.is_some(), "split")
+            .selectable_label(shown.view.split.is_some(), "split")
             .on_hover_text("Another method or the reference right of a divider (C).");
-        place(ui, places, "split", &split);
+        out.place(ui, "split", &split);
         if split.clicked() {
             let beside = RightSide::beside(&settings);
-            actions.push(Action::Split(shown.split.is_none().then_some(beside)));
+            out.push(ViewAction::Split(shown.view.split.is_none().then_some(beside)));
         }
         let compare = ui
             .selectable_label(shown.comparison.is_some(), "compare T")
             .on_hover_text("Measures the frame rate against temporal sets, and the error (F3).");
-        place(ui, places, "compare T", &compare);
-        if compare.clicked() {
-            actions.push(Action::ToggleCompare);
-        }
+        out.click(ui, "compare T", &compare, AppAction::ToggleCompare);
         // At the end, so that it moves nothing.
         let still = session.renderer.still_frames();
         if still > 0 {
@@ -78,7 +62,7 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
                 .on_hover_text("While nothing changes, the mean of all frames becomes the picture.");
         }
         if settings != session.settings {
-            actions.push(Action::Set(Box::new(settings)));
+            out.push(EditAction::Set(Box::new(settings)));
         }
     });
 }
@@ -86,24 +70,24 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
 /// Shows the frame rate of the last half second.
 fn rate(ui: &mut Ui, shown: &Shown<'_>) {
     let size = |session: &Session| session.settings.size.map(|side| side.to_string()).join("x");
-    let size = shown.session.map(size).unwrap_or_default();
+    let size = shown.session().map(size).unwrap_or_default();
     let ms = shown.history.recent_ms();
     let fps = if ms > 0.0 { 1e3 / ms } else { 0.0 };
     // As wide whatever the numbers, so that nothing moves under the pointer.
     let digits = usize::from(fps < 10.0);
-    let is_frozen = shown.session.is_some_and(|session| session.renderer.is_frozen());
+    let is_frozen = shown.session().is_some_and(|session| session.renderer.is_frozen());
     let rate = if is_frozen { "stands still".to_owned() } else { format!("{fps:4.digits$} fps {ms:6.1} ms") };
     ui.monospace(format!("{rate:18} {size:>9}"));
     ui.separator();
 }
 
 /// A menu with a picture of each scene; what lacks its models says so.
-fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let name = shown.session.map_or("none", |session| session.name.as_str());
+fn scenes(ui: &mut Ui, thumbnails: &mut Thumbnails, shown: &Shown<'_>, out: &mut Output) {
+    let name = shown.session().map_or("none", |session| session.name.as_str());
     let combo = menu(ui, "scene", short(name), 120.0).height(600.0).truncate();
     let menu = combo.show_ui(ui, |ui| {
         ui.set_min_width(MENU);
-        for scene in state.thumbnails.scenes(ui.ctx(), shown.assets) {
+        for scene in thumbnails.scenes(ui.ctx(), shown.assets) {
             let label = ui.horizontal(|ui| {
                 ui.image((scene.picture.id(), THUMBNAIL));
                 let text = RichText::new(scene.name);
@@ -119,13 +103,10 @@ fn scenes(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut 
                 label =
                     label.on_hover_text(format!("{} is not there: see docs/SCENES.md", missing.display()));
             }
-            place(ui, &mut state.places, &format!("scene {}", scene.name), &label);
-            if label.clicked() {
-                actions.push(Action::Open(scene.name.to_owned()));
-            }
+            out.click(ui, &format!("scene {}", scene.name), &label, AppAction::Open(scene.name.to_owned()));
         }
     });
-    place(ui, &mut state.places, "scenes", &menu.response);
+    out.place(ui, "scenes", &menu.response);
 }
 
 /// Goes to the next row where this one has no room for what is so wide.
@@ -141,12 +122,12 @@ fn menu(ui: &mut Ui, name: &str, chosen: &str, width: f32) -> ComboBox {
     ComboBox::from_id_salt(name).selected_text(chosen).width(width)
 }
 
-fn methods(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
+fn methods(ui: &mut Ui, settings: &mut Settings, out: &mut Output) {
     ui.separator();
     let indirect = settings.indirect;
-    method(ui, places, ("method", "Indirect light"), &mut settings.indirect);
-    method(ui, places, ("method of direct light", "Direct light"), &mut settings.direct);
-    // Of two that do not go together, the one that was chosen last stays.
+    method(ui, out, ("method", "Indirect light"), &mut settings.indirect);
+    method(ui, out, ("method of direct light", "Direct light"), &mut settings.direct);
+    // Two of them may exclude each other: the one that was chosen last stays.
     if settings.direct == Direct::Paths && settings.indirect != Indirect::PATHS {
         if settings.indirect == indirect {
             settings.indirect = Indirect::PATHS;
@@ -154,28 +135,28 @@ fn methods(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
             settings.direct = Direct::Auto;
         }
     }
-    method(ui, places, ("method of reflections", "Reflections"), &mut settings.reflections);
-    method(ui, places, ("denoiser", "Denoiser"), &mut settings.effects.denoise);
+    method(ui, out, ("method of reflections", "Reflections"), &mut settings.reflections);
+    method(ui, out, ("denoiser", "Denoiser"), &mut settings.effects.denoise);
 }
 
 /// A menu of the methods for one kind of light.
 fn method<Method: ValueEnum + PartialEq>(
     ui: &mut Ui,
-    places: &mut Places,
+    out: &mut Output,
     (name, what): (&str, &str),
     chosen: &mut Method,
 ) {
     let menu = menu(ui, name, &name_of(chosen), 64.0).show_ui(ui, |ui| {
         for method in Method::value_variants() {
             let label = ui.selectable_value(chosen, method.clone(), name_of(method));
-            place(ui, places, &format!("{name} {}", name_of(method)), &label);
+            out.place(ui, &format!("{name} {}", name_of(method)), &label);
         }
     });
-    place(ui, places, name, &menu.response.on_hover_text(what));
+    out.place(ui, name, &menu.response.on_hover_text(what));
 }
 
 /// Values to choose from of the settings that the method's short name states.
-fn axes(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
+fn axes(ui: &mut Ui, settings: &mut Settings, out: &mut Output) {
     for axis in estimators::method(settings).axes {
         let (Some(short), Some(values)) = (axis.short, axis.default_sweep) else { continue };
         ui.separator();
@@ -187,7 +168,7 @@ fn axes(ui: &mut Ui, settings: &mut Settings, places: &mut Places) {
             // Others are out of range.
             if (axis.get)(&chosen) == value {
                 let label = ui.selectable_label(chosen == *settings, value.to_string());
-                place(ui, places, &format!("{short} = {value}"), &label);
+                out.place(ui, &format!("{short} = {value}"), &label);
                 if label.clicked() {
                     *settings = chosen;
                 }
@@ -208,11 +189,11 @@ mod tests {
         let context = egui::Context::default();
         let mut settings = Settings::default();
         let mut run = |events: Vec<Event>| {
-            let mut places = Places::new();
+            let mut out = Output::default();
             let screen_rect = Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 600.0)));
             let input = RawInput { screen_rect, events, ..RawInput::default() };
-            let _ = context.run_ui(input, |ui| methods(ui, &mut settings, &mut places));
-            places
+            let _ = context.run_ui(input, |ui| methods(ui, &mut settings, &mut out));
+            out.layout
         };
         run(Vec::new());
         let [left, top, right, bottom] = run(Vec::new())["method"];

@@ -1,12 +1,13 @@
 //! The window of a comparison: what to measure, progress, and the result as a table and two plots.
 
-use egui::{Color32, Grid, ProgressBar, RichText, TextEdit, Ui, Window, vec2};
+use egui::{Color32, Grid, ProgressBar, RichText, Ui, Window, vec2};
 use egui_plot::{GridMark, Line, Plot, Points};
 
-use super::{PanelState, Places, Shown, keep_keyboard, place};
+use super::shown::Shown;
+use super::widgets::Output;
 use crate::bench::Method;
-use crate::demo::action::Action;
-use crate::demo::compare::{Comparison, Row, Wanted};
+use crate::demo::action::{AppAction, EditAction, RequestedSettings};
+use crate::demo::compare::{Comparison, Row};
 use crate::demo::session::Session;
 use crate::estimators;
 use crate::settings::Settings;
@@ -16,7 +17,7 @@ const PLOT: egui::Vec2 = vec2(230.0, 150.0);
 const BLUE: Color32 = Color32::from_rgb(86, 180, 233);
 const ORANGE: Color32 = Color32::from_rgb(230, 159, 0);
 
-/// What is typed.
+/// The typed settings.
 pub(in crate::demo) struct CompareState {
     sets: String,
     methods: String,
@@ -29,21 +30,20 @@ impl Default for CompareState {
 }
 
 impl CompareState {
-    /// What to measure, or what is wrong with it. Numbers of sets that the VPLs do not allow are left out.
-    pub fn wanted(&self, settings: &Settings) -> Result<Wanted, String> {
+    /// The settings to compare, or what is wrong with them. Numbers of sets that the VPLs do not allow are left out.
+    pub fn requested(&self, settings: &Settings) -> Result<RequestedSettings, String> {
         let number = |text: &str| text.trim().parse().map_err(|_| format!("T: {text} is no number"));
         let sets: Vec<u32> = self.sets.split(',').map(number).collect::<Result<_, _>>()?;
         let sets = sets.into_iter().filter(|sets| *sets <= settings.vpl.slots).collect();
         let methods = self.methods.split(',').map(|name| Method::list(name.trim()));
-        Ok(Wanted { sets, methods: methods.collect::<Result<Vec<_>, _>>()?.concat() })
+        Ok(RequestedSettings { sets, methods: methods.collect::<Result<Vec<_>, _>>()?.concat() })
     }
 }
 
-pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let (Some(session), Some(comparison)) = (shown.session, shown.comparison) else { return };
-    let corner = state.viewport(ui.ctx()).min + vec2(12.0, 12.0);
+pub(super) fn draw(ui: &Ui, compare: &mut CompareState, shown: &Shown<'_>, out: &mut Output) {
+    let (Some(session), Some(comparison)) = (shown.session(), shown.comparison) else { return };
+    let corner = shown.picture_area(ui.ctx()).min + vec2(12.0, 12.0);
     let window = Window::new("Frame rate against temporal sets").default_pos(corner).resizable(false);
-    let PanelState { compare, places, .. } = state;
     window.show(ui.ctx(), |ui| {
         let [width, height] = session.settings.size;
         ui.label(format!(
@@ -51,38 +51,33 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: 
             session.live_scene.name
         ));
         // Above all that may be taller than the window.
-        let wanted = compare.wanted(&session.settings);
+        let requested = compare.requested(&session.settings);
         ui.horizontal(|ui| {
-            let mut button = |name: &str, is_on: bool, action: Action| {
+            let mut button = |name: &str, is_on: bool, action: AppAction| {
                 let button = ui.add_enabled(is_on, egui::Button::new(name));
-                place(ui, places, &format!("compare: {name}"), &button);
-                if button.clicked() {
-                    actions.push(action);
-                }
+                out.click(ui, &format!("compare: {name}"), &button, action);
             };
-            if comparison.is_running() {
-                return button("Cancel", true, Action::Compare(None));
+            if comparison.bench.is_running() {
+                return button("Cancel", true, AppAction::Compare(None));
             }
-            button("Save report", !comparison.rows.is_empty(), Action::SaveComparison);
-            button("Measure again", wanted.is_ok(), Action::Compare(wanted.clone().ok()));
-            button("Close", true, Action::Compare(None));
+            button("Save report", !comparison.rows.is_empty(), AppAction::SaveComparison);
+            button("Measure again", requested.is_ok(), AppAction::Compare(requested.clone().ok()));
+            button("Close", true, AppAction::Compare(None));
         });
-        if let Err(error) = wanted {
+        if let Err(error) = requested {
             ui.colored_label(ui.visuals().error_fg_color, error);
         }
-        if comparison.is_running() {
+        if comparison.bench.is_running() {
             progress(ui, comparison);
         } else {
-            result(ui, session, &comparison.rows, places, actions);
+            result(ui, session, &comparison.rows, out);
             for (name, what, text) in [
                 ("T =", "Numbers of temporal sets", &mut compare.sets),
                 ("methods", "Such as vpls,paths,paths@denoise=bmfr,none,reference@1", &mut compare.methods),
             ] {
                 ui.horizontal(|ui| {
                     ui.label(name);
-                    let field = ui.add(TextEdit::singleline(text).desired_width(330.0)).on_hover_text(what);
-                    place(ui, places, &format!("compare {name}"), &field);
-                    keep_keyboard(ui, &field);
+                    out.text_field(ui, &format!("compare {name}"), text, ("", 330.0)).on_hover_text(what);
                 });
             }
         }
@@ -96,7 +91,7 @@ fn progress(ui: &mut Ui, comparison: &Comparison) {
     ui.label(format!("about {} s left; the window waits meanwhile", left.as_secs()));
 }
 
-fn result(ui: &mut Ui, session: &Session, rows: &[Row], places: &mut Places, actions: &mut Vec<Action>) {
+fn result(ui: &mut Ui, session: &Session, rows: &[Row], out: &mut Output) {
     let Some(first) = rows.first() else { return };
     let is_on = |row: &Row| {
         let known = &row.settings;
@@ -111,7 +106,7 @@ fn result(ui: &mut Ui, session: &Session, rows: &[Row], places: &mut Places, act
         ui.end_row();
         for (at, row) in rows.iter().enumerate() {
             let label = ui.selectable_label(is_on(row), &row.name).on_hover_text("Switch to it.");
-            place(ui, places, &format!("compared {}", row.name), &label);
+            out.place(ui, &format!("compared {}", row.name), &label);
             if label.clicked() {
                 chosen = Some(at);
             }
@@ -136,10 +131,10 @@ fn result(ui: &mut Ui, session: &Session, rows: &[Row], places: &mut Places, act
     });
     let settings = chosen.and_then(|at| rows.get(at)).map(|row| &row.settings);
     if let Some(settings) = settings {
-        // The window keeps what is its own.
+        // The window keeps its own.
         let Settings { size, time_step, still_frames, .. } = session.settings;
         let settings = Settings { size, time_step, still_frames, ..settings.clone() };
-        actions.push(Action::Set(Box::new(settings)));
+        out.push(EditAction::Set(Box::new(settings)));
     }
 }
 

@@ -1,13 +1,10 @@
 //! The environment: none, one colour, or a map.
 
-use std::path::PathBuf;
+use egui::{ComboBox, Slider, Ui};
 
-use egui::{ComboBox, Slider, SliderClamping, TextEdit, Ui};
-
-use super::objects::power;
-use super::scene::short;
-use super::{PanelState, Places, Shown, keep_keyboard, place, place_track};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::{Output, power, short};
+use crate::demo::action::{AppAction, EditAction};
 use crate::formats::EnvironmentEntry;
 
 /// The first colour, W/m^2/sr.
@@ -15,30 +12,16 @@ const COLOUR: [f32; 3] = [0.5; 3];
 /// Strength of a map: the most, and the least above 0.
 const STRENGTH: [f32; 2] = [100.0, 0.01];
 
-pub(super) fn draw(
-    ui: &mut Ui,
-    state: &mut PanelState,
-    shown: &Shown<'_>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
-    let Some(session) = shown.session else { return };
+pub(super) fn draw(ui: &mut Ui, typed: &mut String, shown: &Shown<'_>, out: &mut Output) {
+    let Some(session) = shown.session() else { return };
     let now = session.document.environment();
-    kind(ui, now, actions);
-    ui.horizontal(|ui| {
-        let typed = &mut state.scene.map;
-        let field = ui.add(TextEdit::singleline(typed).hint_text("map.hdr or map.exr").desired_width(150.0));
-        place(ui, places, "map", &field);
-        keep_keyboard(ui, &field);
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-        if (ui.button("Use").clicked() || entered) && !typed.trim().is_empty() {
-            actions.push(Action::OpenMap(PathBuf::from(typed.trim())));
-        }
-    });
+    kind(ui, now, out);
+    let entered = out.entry(ui, ("map", "Use"), typed, "map.hdr or map.exr");
+    out.extend(entered.map(|map| EditAction::OpenMap(map.into())));
     let Some(now) = now else { return };
     let mut entry = now.clone();
     if entry.has_map() {
-        map(ui, &mut entry, places);
+        map(ui, &mut entry, out);
     } else {
         let strength = entry.strength.unwrap_or(1.0);
         let mut radiance = entry.colour.unwrap_or_default().map(|channel| channel * strength);
@@ -49,12 +32,12 @@ pub(super) fn draw(
         }
     }
     if entry != *now {
-        actions.push(Action::EditEnvironment(Some(Box::new(entry))));
+        out.push(EditAction::EditEnvironment(Some(Box::new(entry))));
     }
 }
 
 /// The choice of what it is.
-fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, actions: &mut Vec<Action>) {
+fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, out: &mut Output) {
     let label = match now {
         None => "none",
         Some(EnvironmentEntry { builtin: Some(name), .. }) => name,
@@ -70,34 +53,24 @@ fn kind(ui: &mut Ui, now: Option<&EnvironmentEntry>, actions: &mut Vec<Action>) 
             ("sky", Some(EnvironmentEntry::sky())),
         ] {
             if ui.selectable_label(name == label, name).clicked() && name != label {
-                actions.push(Action::EditEnvironment(entry.map(Box::new)));
+                out.push(EditAction::EditEnvironment(entry.map(Box::new)));
             }
         }
-        if ui.selectable_label(false, "map …").on_hover_text("or drop it on the window").clicked() {
-            actions.push(Action::AskMap);
-        }
+        let label = ui.selectable_label(false, "map …").on_hover_text("or drop it on the window");
+        out.on_click(&label, AppAction::AskMap);
     });
 }
 
 /// Brightness and rotation of a map.
-fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, places: &mut Places) {
+fn map(ui: &mut Ui, entry: &mut EnvironmentEntry, out: &mut Output) {
     let mut strength = entry.strength.unwrap_or(1.0);
-    let slider =
-        Slider::new(&mut strength, 0.0..=STRENGTH[0]).logarithmic(true).clamping(SliderClamping::Edits);
-    let slider = ui.add(slider.smallest_positive(f64::from(STRENGTH[1])).text("strength"));
-    place_track(ui, places, "strength", &slider);
-    if slider.changed() {
+    let slider = Slider::new(&mut strength, 0.0..=STRENGTH[0]).logarithmic(true).text("strength");
+    if out.slider(ui, "strength", slider.smallest_positive(f64::from(STRENGTH[1]))).changed() {
         entry.strength = Some(strength);
     }
     let mut degrees = entry.rotation_deg.unwrap_or(0.0);
-    let slider = ui.add(
-        Slider::new(&mut degrees, -180.0..=180.0)
-            .clamping(SliderClamping::Edits)
-            .suffix("°")
-            .text("rotation"),
-    );
-    place_track(ui, places, "rotation", &slider);
-    if slider.changed() {
+    let slider = Slider::new(&mut degrees, -180.0..=180.0).suffix("°").text("rotation");
+    if out.slider(ui, "rotation", slider).changed() {
         entry.rotation_deg = Some(degrees);
     }
 }

@@ -3,13 +3,16 @@
 use egui::style::ScrollStyle;
 use egui::{Grid, ScrollArea, Ui, Window};
 
-use super::PanelState;
-use crate::demo::action::{BINDINGS, GESTURES};
+use super::shown::Shown;
+use super::widgets::Output;
+use crate::demo::action::AppAction;
+use crate::demo::bindings::{BINDINGS, GESTURES};
 
-pub(super) fn draw(ui: &mut Ui, state: &mut PanelState) {
-    let corner = state.viewport(ui.ctx()).min;
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
+    let corner = shown.picture_area(ui.ctx()).min;
+    let mut is_open = true;
     let window = Window::new("Keys")
-        .open(&mut state.help)
+        .open(&mut is_open)
         .fixed_pos(corner + egui::vec2(8.0, 8.0))
         .collapsible(false)
         .resizable(false);
@@ -19,11 +22,14 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState) {
         ui.spacing_mut().scroll = ScrollStyle::thin();
         ScrollArea::vertical().max_height(height).show(ui, list);
     });
+    if !is_open {
+        out.push(AppAction::ToggleHelp);
+    }
 }
 
 fn list(ui: &mut Ui) {
     Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-        let bound = BINDINGS.iter().map(|binding| (binding.keys, binding.what));
+        let bound = BINDINGS.iter().map(|(keys, what, ..)| (*keys, *what));
         for (keys, what) in GESTURES.iter().copied().chain(bound) {
             ui.strong(keys);
             ui.label(what);

@@ -1,10 +1,10 @@
 //! The material at the inspector's point or chosen in the tree, with its sliders.
 
-use egui::{ScrollArea, Slider, SliderClamping, Ui, Window};
+use egui::{ScrollArea, Slider, Ui, Window};
 
-use super::objects::power;
-use super::{PanelState, Places, Shown, place, place_track};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::{Output, power};
+use crate::demo::action::EditAction;
 use crate::demo::session::Session;
 use crate::formats::MaterialEdit;
 use crate::scene::{Alpha, Material};
@@ -12,10 +12,10 @@ use crate::scene::{Alpha, Material};
 /// Most that the slopes of a normal map are multiplied by.
 const NORMAL_SCALE: f32 = 4.0;
 
-pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let (Some(session), Some(index)) = (shown.session, shown.inspector.material()) else { return };
+pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, out: &mut Output) {
+    let (Some(session), Some(index)) = (shown.session(), shown.view.inspector.material) else { return };
     let Some(material) = session.scene.materials.get(index) else { return };
-    let (viewport, places) = (state.viewport(ui.ctx()), &mut state.places);
+    let viewport = shown.picture_area(ui.ctx());
     let window = Window::new("Material").fixed_pos(viewport.min + egui::vec2(8.0, 8.0)).resizable(false);
     let height = viewport.height() * 0.5;
     let content = |ui: &mut Ui| {
@@ -26,9 +26,9 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, shown: &Shown<'_>, actions: 
             ui.label("A light: edit it under Lights and objects.");
             return;
         };
-        // What an entry of [[lights]] makes emit has its radiance from there.
-        let edit = edited(ui, session, file, own.is_some(), places);
-        actions.extend(edit.map(|edit| Action::EditMaterial(Box::new(edit))));
+        // A surface that an entry of [[lights]] makes emit has its radiance from there.
+        let edit = edited(ui, session, file, own.is_some(), out);
+        out.extend(edit.map(|edit| EditAction::EditMaterial(Box::new(edit))));
     };
     window.show(ui.ctx(), |ui| ScrollArea::vertical().max_height(height).show(ui, content));
 }
@@ -39,7 +39,7 @@ fn edited(
     session: &Session,
     file: &Material,
     own_emission: bool,
-    places: &mut Places,
+    out: &mut Output,
 ) -> Option<MaterialEdit> {
     let mut now = file.clone();
     let edit = session.document.material_edit(&file.name);
@@ -63,8 +63,7 @@ fn edited(
         ("normal scale", &mut now.normal_scale, NORMAL_SCALE, file.normal_texture.is_some()),
     ] {
         if is_there {
-            let slider = ui.add(Slider::new(value, 0.0..=most).clamping(SliderClamping::Edits).text(name));
-            place_track(ui, places, name, &slider);
+            out.slider(ui, name, Slider::new(value, 0.0..=most).text(name));
         }
     }
     if own_emission {
@@ -73,7 +72,7 @@ fn edited(
         now.emission = emission.into();
     }
     let reset = ui.add_enabled(edit.is_some(), egui::Button::new("Reset to the file's"));
-    place(ui, places, "reset material", &reset);
+    out.place(ui, "reset material", &reset);
     if reset.clicked() {
         return Some(MaterialEdit { name: file.name.clone(), ..MaterialEdit::default() });
     }

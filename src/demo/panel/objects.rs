@@ -1,13 +1,15 @@
 //! Lights and instances: select, edit, add, delete.
 
-use egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
+use egui::{ComboBox, DragValue, Slider, Ui};
 use glam::Vec3;
 
-use super::{Places, Shown, keep_keyboard, place, place_track, tree};
-use crate::demo::action::Action;
-use crate::demo::edit::NewObject;
-use crate::demo::handles::Mode;
-use crate::demo::session::{Selected, Session, carry, label};
+use super::shown::Shown;
+use super::tree;
+use super::widgets::{FIELD, Output, power};
+use crate::demo::action::{AppAction, EditAction, HandleMode, NewObject, Selected};
+use crate::demo::selection::label;
+use crate::demo::session::Session;
+use crate::demo::transform::carry;
 use crate::formats::{
     AnimationEntry, AxisAngle, InstanceEntry, LightEntry, Primitive, RotationEntry, ScaleEntry, SpinEntry,
 };
@@ -15,94 +17,65 @@ use crate::scene::LightType;
 
 const KINDS: [LightType; 4] = [LightType::Point, LightType::Spot, LightType::Directional, LightType::Area];
 
-pub(super) fn draw(
-    ui: &mut Ui,
-    searched: &mut String,
-    shown: &Shown<'_>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
-    let Some(session) = shown.session else { return };
-    let field = ui.add(TextEdit::singleline(searched).hint_text("search by name").desired_width(150.0));
-    place(ui, places, "search", &field);
-    keep_keyboard(ui, &field);
-    tree::draw(ui, session, shown.inspector.material(), searched, places, actions);
+pub(super) fn draw(ui: &mut Ui, searched: &mut String, shown: &Shown<'_>, out: &mut Output) {
+    let Some(session) = shown.session() else { return };
+    out.text_field(ui, "search", searched, ("search by name", FIELD));
+    tree::draw(ui, session, shown.view.inspector.material, searched, out);
     ui.horizontal_wrapped(|ui| {
         ui.label("add");
         for kind in KINDS {
             let button = ui.small_button(label(kind)).on_hover_text("A new light in view of the camera");
-            place(ui, places, &format!("add {}", label(kind)), &button);
-            if button.clicked() {
-                actions.push(Action::AddLight(kind));
-            }
+            out.click(ui, &format!("add {}", label(kind)), &button, EditAction::AddLight(kind));
         }
     });
-    add_object(ui, session, places, actions);
+    add_object(ui, session, out);
     let Some(selected) = session.selected else {
         ui.small("Click an object or a light in the picture to select it.");
         return;
     };
     ui.horizontal_wrapped(|ui| {
-        for mode in Mode::ALL {
-            let label = ui.selectable_label(shown.mode == mode, mode.label()).on_hover_text("T: the next");
-            place(ui, places, mode.label(), &label);
-            if label.clicked() {
-                actions.push(Action::Handles(Some(mode)));
-            }
+        for mode in HandleMode::ALL {
+            let label =
+                ui.selectable_label(shown.view.handles == mode, mode.label()).on_hover_text("T: the next");
+            out.click(ui, mode.label(), &label, EditAction::Handles(Some(mode)));
         }
-        if ui.button("copy").on_hover_text("Ctrl+D").clicked() {
-            actions.push(Action::Duplicate);
-        }
-        if ui.button("delete").on_hover_text("Del").clicked() {
-            actions.push(Action::Delete);
-        }
+        out.button(ui, "copy", "Ctrl+D", EditAction::Duplicate);
+        out.button(ui, "delete", "Del", EditAction::Delete);
     });
     match selected {
         Selected::Light(index) => {
             if let Some(entry) = session.document.lights().nth(index) {
-                light(ui, session, (index, entry), places, actions);
+                light(ui, session, (index, entry), out);
             }
         }
         Selected::Instance(index) => {
             if let Some(entry) = session.document.instances().nth(index) {
-                instance(ui, session, index, entry, actions);
+                instance(ui, session, index, entry, out);
             }
         }
     }
 }
 
 /// Shapes, models that are in the scene, and files.
-fn add_object(ui: &mut Ui, session: &Session, places: &mut Places, actions: &mut Vec<Action>) {
+fn add_object(ui: &mut Ui, session: &Session, out: &mut Output) {
     let combo = ComboBox::from_id_salt("add object").selected_text("add an object").width(150.0);
     let menu = combo.show_ui(ui, |ui| {
         let shapes = Primitive::ALL.map(|shape| (shape.label(), NewObject::Shape(shape)));
         let models = session.document.models().map(|model| (model, NewObject::Model(model.to_owned())));
         for (name, object) in shapes.into_iter().chain(models) {
             let label = ui.selectable_label(false, name);
-            place(ui, places, &format!("add {name}"), &label);
-            if label.clicked() {
-                actions.push(Action::AddObject(object));
-            }
+            out.click(ui, &format!("add {name}"), &label, EditAction::AddObject(object));
         }
-        if ui.selectable_label(false, "model from a file …").clicked() {
-            actions.push(Action::AskModel);
-        }
+        out.on_click(&ui.selectable_label(false, "model from a file …"), AppAction::AskModel);
     });
-    place(ui, places, "add an object", &menu.response);
+    out.place(ui, "add an object", &menu.response);
 }
 
-fn light(
-    ui: &mut Ui,
-    session: &Session,
-    (index, entry): (usize, &LightEntry),
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+fn light(ui: &mut Ui, session: &Session, (index, entry): (usize, &LightEntry), out: &mut Output) {
     let mut light = entry.clone();
     let speed = 2e-3 * session.radius;
     if let Some(name) = &mut light.name {
-        let field = ui.add(TextEdit::singleline(name).desired_width(150.0));
-        keep_keyboard(ui, &field);
+        out.text_field(ui, "light name", name, ("", FIELD));
     }
     if session.headlamp == Some(index) {
         // The document has where it was when it was attached.
@@ -124,18 +97,18 @@ fn light(
     if light.kind == LightType::Spot {
         cone(ui, &mut light);
     }
-    extent(ui, &mut light, session.radius, places);
+    extent(ui, &mut light, session.radius, out);
     let mut headlamp = session.headlamp == Some(index);
     let can_go = light.kind != LightType::Area;
     let check = ui.add_enabled(can_go, egui::Checkbox::new(&mut headlamp, "attached to the camera (H)"));
     if check.changed() {
-        actions.push(Action::ToggleHeadlamp);
+        out.push(EditAction::ToggleHeadlamp);
     }
     if light.instance.is_none() {
         spin(ui, &mut light.animation);
     }
     if light != *entry {
-        actions.push(Action::EditLight(index, Box::new(light)));
+        out.push(EditAction::EditLight(index, Box::new(light)));
     }
 }
 
@@ -177,7 +150,7 @@ fn quad(ui: &mut Ui, polygon: &mut [[f32; 3]; 4], speed: f32) {
     }
 }
 
-fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry, actions: &mut Vec<Action>) {
+fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry, out: &mut Output) {
     let mut instance = entry.clone();
     let mut place = instance.translation.unwrap_or_default();
     vector(ui, "position", Some(&mut place), 2e-3 * session.radius);
@@ -215,7 +188,7 @@ fn instance(ui: &mut Ui, session: &Session, index: usize, entry: &InstanceEntry,
     }
     spin(ui, &mut instance.animation);
     if instance != *entry {
-        actions.push(Action::EditInstance(index, Box::new(instance)));
+        out.push(EditAction::EditInstance(index, Box::new(instance)));
     }
 }
 
@@ -227,30 +200,6 @@ fn vector(ui: &mut Ui, name: &str, value: Option<&mut [f32; 3]>, speed: f32) {
             ui.add(DragValue::new(part).speed(speed).max_decimals(3));
         }
     });
-}
-
-/// A colour and a scale, its largest channel.
-pub(super) fn power(ui: &mut Ui, name: &str, unit: &str, value: Option<&mut [f32; 3]>, least: f32) {
-    let Some(value) = value else { return };
-    let now = Vec3::from_array(*value);
-    let mut strength = now.max_element();
-    let mut colour = coloured(now, 1.0).unwrap_or(Vec3::ONE).to_array();
-    ui.horizontal(|ui| {
-        let picked = ui.color_edit_button_rgb(&mut colour).changed();
-        let speed = 0.02 * strength.max(0.05);
-        let drag = DragValue::new(&mut strength).range(least..=1e9).speed(speed);
-        let dragged = ui.add(drag.suffix(format!(" {unit}"))).changed();
-        ui.label(name);
-        if picked || dragged {
-            *value = coloured(Vec3::from_array(colour), strength).unwrap_or(now).to_array();
-        }
-    });
-}
-
-/// The colour whose largest channel is `strength`: how dark it was picked is not its strength. None for black, which has no hue.
-fn coloured(picked: Vec3, strength: f32) -> Option<Vec3> {
-    let most = picked.max_element();
-    (most > 0.0).then(|| picked / most * strength)
 }
 
 fn cone(ui: &mut Ui, light: &mut LightEntry) {
@@ -268,7 +217,7 @@ fn cone(ui: &mut Ui, light: &mut LightEntry) {
 }
 
 /// The extent of a light: the radius of a sphere, or the half angle of a disc; none has no key in a scene file.
-fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut Places) {
+fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, out: &mut Output) {
     let (name, unit, most, value) = match light.kind {
         LightType::Point | LightType::Spot => ("radius", "", 0.2 * scene_radius, &mut light.radius),
         LightType::Directional => ("angle", "°", 90.0, &mut light.angle_deg),
@@ -277,9 +226,8 @@ fn extent(ui: &mut Ui, light: &mut LightEntry, scene_radius: f32, places: &mut P
     let mut now = value.unwrap_or(0.0);
     let slider =
         Slider::new(&mut now, 0.0..=most).logarithmic(true).smallest_positive(1e-3 * f64::from(most));
-    let slider = ui.add(slider.clamping(SliderClamping::Edits).suffix(unit).text(name));
-    place_track(ui, places, &format!("light {name}"), &slider);
-    if slider.on_hover_text("Of what shines: larger makes softer shadows").changed() {
+    let slider = out.slider(ui, &format!("light {name}"), slider.suffix(unit).text(name));
+    if slider.on_hover_text("Extent of what shines: larger makes softer shadows").changed() {
         *value = (now > 0.0).then_some(now);
     }
 }
@@ -296,20 +244,4 @@ fn spin(ui: &mut Ui, animation: &mut Option<AnimationEntry>) {
             *animation = Some(all).filter(|all| !all.keyframes.is_empty() || all.rotation.is_some());
         }
     });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_colour_that_is_picked_again_and_again_stays() {
-        let dark = Vec3::new(0.4, 0.2, 0.1);
-        let once = coloured(dark, 8.0).expect("it has a hue");
-        assert_eq!(once, Vec3::new(8.0, 4.0, 2.0));
-        // The picker held at 85 % of the brightest.
-        let again = coloured(0.85 * once / once.max_element(), once.max_element());
-        assert!(again.is_some_and(|again| again.abs_diff_eq(once, 1e-5)), "{again:?}");
-        assert_eq!(coloured(Vec3::ZERO, 8.0), None);
-    }
 }

@@ -1,10 +1,11 @@
 //! Plots of the last frames: frame intervals, pass times, counters of the method.
 
-use egui::{Align, Color32, Grid, Label, Layout, RichText, TextStyle, Ui, vec2};
+use egui::{Align, Color32, Grid, Label, RichText, TextStyle, Ui, vec2};
 use egui_plot::{AxisHints, FilledArea, Line, Plot, PlotPoints};
 
-use super::{Places, Shown, place};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::Output;
+use crate::demo::action::EditAction;
 use crate::demo::history::Sample;
 use crate::estimators::{self, CounterInfo};
 use crate::settings::{self, Settings};
@@ -12,7 +13,7 @@ use crate::settings::{self, Settings};
 /// Height of a plot, points.
 const HEIGHT: f32 = 120.0;
 
-/// What can be left out of a frame: its setting, and the value that leaves it out.
+/// Parts that a frame can do without: name, setting, and the value that leaves it out.
 const SWITCHES: [(&str, &str, &str); 5] = [
     ("indirect light", "indirect", "none"),
     ("soft shadows", "direct", "hard"),
@@ -21,8 +22,8 @@ const SWITCHES: [(&str, &str, &str); 5] = [
     ("antialiasing", "antialiasing", "none"),
 ];
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
-    let samples: Vec<&Sample> = shown.history.samples().collect();
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
+    let samples: Vec<&Sample> = shown.history.samples.iter().collect();
     if samples.is_empty() {
         return;
     }
@@ -35,8 +36,8 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
     let memory = shown.gpu.device.memory_peak() as f64 / f64::from(1 << 20);
     ui.small(format!("device memory: {memory:.0} MiB at most"));
     ui.separator();
-    if let Some(session) = shown.session {
-        switches(ui, &session.settings, places, actions);
+    if let Some(session) = shown.session() {
+        switches(ui, &session.settings, out);
     }
     ui.small("milliseconds of each pass, stacked");
     let last = samples[samples.len() - 1];
@@ -47,7 +48,7 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
     for name in names.iter().rev().filter(ran) {
         figures(ui, shown, name, pass_colour(name), |sample| pass_ms(sample, name));
     }
-    let Some(session) = shown.session else { return };
+    let Some(session) = shown.session() else { return };
     let method = estimators::method(&session.settings);
     let plotted = |counter: &CounterInfo| {
         let [r, g, b] = counter.colour?;
@@ -75,17 +76,17 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, places: &mut Places, actions:
 }
 
 /// Leaves passes out, or has them again as they are by default.
-fn switches(ui: &mut Ui, settings: &Settings, places: &mut Places, actions: &mut Vec<Action>) {
+fn switches(ui: &mut Ui, settings: &Settings, out: &mut Output) {
     ui.horizontal_wrapped(|ui| {
         for (name, key, off) in SWITCHES {
             let Some(setting) = settings::find(key) else { continue };
             let mut is_on = setting.text(settings) != off;
             let switch = ui.checkbox(&mut is_on, name).on_hover_text(setting.option());
-            place(ui, places, name, &switch);
+            out.place(ui, name, &switch);
             let wanted = if is_on { setting.text(&Settings::default()) } else { off.to_owned() };
             let mut changed = settings.clone();
             if switch.changed() && setting.set(&mut changed, &wanted).is_ok() {
-                actions.push(Action::Set(Box::new(changed)));
+                out.push(EditAction::Set(Box::new(changed)));
             }
         }
     });
@@ -131,10 +132,10 @@ fn plot<'a>(id: &str, unit: &str, ui: &mut Ui, content: impl FnOnce(&mut egui_pl
 fn figures(ui: &mut Ui, shown: &Shown<'_>, name: &str, colour: Color32, figure: impl Fn(&Sample) -> f64) {
     let Some([median, p95]) = shown.history.median_and_p95(figure) else { return };
     let row = vec2(ui.available_width(), ui.text_style_height(&TextStyle::Small));
-    ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+    ui.allocate_ui_with_layout(row, egui::Layout::right_to_left(Align::Center), |ui| {
         ui.small(format!("{median:.2}, p95 {p95:.2} ms"));
         // A long name is cut off, not drawn over its figures.
-        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+        ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
             let name = RichText::new(name.replace('_', " ")).small().color(colour);
             ui.add(Label::new(name).truncate());
         });

@@ -2,21 +2,24 @@
 
 use std::path::Path;
 
-use egui::{ComboBox, TextEdit, Ui};
+use egui::{ComboBox, Ui};
 use egui_file_dialog::{DialogState, FileDialog, Filter};
 
-use super::{PanelState, Places, Shown, keep_keyboard, place};
-use crate::demo::action::Action;
-use crate::demo::edit::NewObject;
+use super::shown::Shown;
+use super::widgets::Output;
+use crate::demo::action::{Action, AppAction, EditAction, NewObject, RightSide, ViewAction};
 use crate::demo::recorder::Recording;
-use crate::demo::split::RightSide;
+
+/// Endings of files by their use.
+const SCENES: &[&str] = &["toml", "obj", "gltf", "glb"];
+const MODELS: &[&str] = &["obj", "gltf", "glb"];
+const MAPS: &[&str] = &["hdr", "exr"];
+const PICTURES: &[&str] = &["hdr", "exr", "png"];
 
 /// Text field and file dialog.
 #[derive(Default)]
 pub(in crate::demo) struct SceneState {
     path: String,
-    /// Typed name of an environment's map.
-    pub(super) map: String,
     dialog: Option<(FileDialog, Purpose)>,
 }
 
@@ -35,12 +38,12 @@ pub(in crate::demo) enum Purpose {
 
 /// Whether a file is the map of an environment, by its ending.
 pub(in crate::demo) fn is_map(path: &Path) -> bool {
-    has_ending(path, &["hdr", "exr"])
+    has_ending(path, MAPS)
 }
 
 /// Whether a file is a picture for the right side of the divider, by its ending.
 pub(in crate::demo) fn is_picture(path: &Path) -> bool {
-    is_map(path) || has_ending(path, &["png"])
+    has_ending(path, PICTURES)
 }
 
 fn has_ending(path: &Path, endings: &[&str]) -> bool {
@@ -51,22 +54,20 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 impl SceneState {
     /// Opens the dialog; `name` is the default name of a new file.
     pub fn ask_for(&mut self, purpose: Purpose, name: &str) {
-        let scenes: Filter<Path> =
-            Filter::new(|path: &Path| has_ending(path, &["toml", "obj", "gltf", "glb"]));
-        let models: Filter<Path> = Filter::new(|path: &Path| has_ending(path, &["obj", "gltf", "glb"]));
         let shown = match purpose {
             Purpose::Map => "maps",
             Purpose::Model => "models",
             Purpose::Picture => "pictures",
             Purpose::Open | Purpose::Save => "scenes",
         };
-        let mut dialog = FileDialog::new()
-            .add_file_filter("scenes", scenes)
-            .add_file_filter("models", models)
-            .add_file_filter("maps", Filter::new(is_map))
-            .add_file_filter("pictures", Filter::new(is_picture))
-            .default_file_filter(shown)
-            .default_file_name(&format!("{name}.toml"));
+        let mut dialog = FileDialog::new().default_file_filter(shown);
+        for (name, endings) in
+            [("scenes", SCENES), ("models", MODELS), ("maps", MAPS), ("pictures", PICTURES)]
+        {
+            let filter = Filter::new(move |path: &Path| has_ending(path, endings));
+            dialog = dialog.add_file_filter(name, filter);
+        }
+        dialog = dialog.default_file_name(&format!("{name}.toml"));
         match purpose {
             Purpose::Save => dialog.save_file(),
             _ => dialog.pick_file(),
@@ -80,17 +81,17 @@ impl SceneState {
     }
 
     /// Shows the dialog, if it is open.
-    pub(super) fn ask(&mut self, context: &egui::Context, actions: &mut Vec<Action>) {
+    pub(super) fn ask(&mut self, context: &egui::Context, out: &mut Output) {
         let Some((dialog, purpose)) = &mut self.dialog else { return };
         dialog.update(context);
         let picked = dialog.take_picked();
         let done = picked.is_some() || !matches!(dialog.state(), DialogState::Open);
-        actions.extend(picked.map(|path| match purpose {
-            Purpose::Open => Action::Open(path.to_string_lossy().into_owned()),
-            Purpose::Save => Action::Save(path),
-            Purpose::Map => Action::OpenMap(path),
-            Purpose::Model => Action::AddObject(NewObject::File(path)),
-            Purpose::Picture => Action::Split(Some(RightSide::Picture(path))),
+        out.extend(picked.map(|path| match purpose {
+            Purpose::Open => Action::from(AppAction::Open(path.to_string_lossy().into_owned())),
+            Purpose::Save => AppAction::Save(path).into(),
+            Purpose::Map => EditAction::OpenMap(path).into(),
+            Purpose::Model => EditAction::AddObject(NewObject::File(path)).into(),
+            Purpose::Picture => ViewAction::Split(Some(RightSide::Picture(path))).into(),
         }));
         if done {
             self.dialog = None;
@@ -98,72 +99,38 @@ impl SceneState {
     }
 }
 
-pub(super) fn draw(
-    ui: &mut Ui,
-    state: &mut PanelState,
-    shown: &Shown<'_>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+pub(super) fn draw(ui: &mut Ui, state: &mut SceneState, shown: &Shown<'_>, out: &mut Output) {
+    let hint = "scene.toml, model.obj or model.glb";
+    let entered = out.entry(ui, ("path", "Open"), &mut state.path, hint);
+    out.extend(entered.map(AppAction::Open));
     ui.horizontal(|ui| {
-        let field =
-            TextEdit::singleline(&mut state.scene.path).hint_text("scene.toml, model.obj or model.glb");
-        let field = ui.add(field.desired_width(150.0));
-        place(ui, places, "path", &field);
-        keep_keyboard(ui, &field);
-        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-        let typed = state.scene.path.trim();
-        if (ui.button("Open").clicked() || entered) && !typed.is_empty() {
-            actions.push(Action::Open(typed.to_owned()));
-        }
-    });
-    ui.horizontal(|ui| {
-        if ui.button("Open …").on_hover_text("Ctrl+O; files can also be dropped on the window").clicked() {
-            actions.push(Action::AskOpen);
-        }
-        if ui
-            .button("Save …")
-            .on_hover_text("The scene with all changes, camera and settings (Ctrl+S)")
-            .clicked()
-        {
-            actions.push(Action::AskSave);
-        }
+        out.button(ui, "Open …", "Ctrl+O; files can also be dropped on the window", AppAction::AskOpen);
+        let about = "The scene with all changes, camera and settings (Ctrl+S)";
+        out.button(ui, "Save …", about, AppAction::AskSave);
     });
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Screenshot").on_hover_text("F12; with shift: EXR").clicked() {
-            actions.push(Action::Screenshot { exr: false });
-        }
-        if ui.button("Command").on_hover_text("Copies the command line that renders this (F4)").clicked() {
-            actions.push(Action::CopyCommand);
-        }
-        let (label, recording) = match shown.recording {
-            Recording::On(recorder) => (format!("Stop ({})", recorder.count()), true),
+        out.button(ui, "Screenshot", "F12; with shift: EXR", AppAction::Screenshot { exr: false });
+        let about = "Copies the command line that renders this (F4)";
+        out.button(ui, "Command", about, AppAction::CopyCommand);
+        let (label, recording) = match &shown.view.recording {
+            Recording::On(recorder) => (format!("Stop ({})", recorder.count), true),
             Recording::Waiting => ("Stop".to_owned(), true),
             Recording::Off => ("Record".to_owned(), false),
         };
         let button = ui.selectable_label(recording, label);
-        if button.on_hover_text("Records camera and edits; render replays the file (Ctrl+R)").clicked() {
-            actions.push(Action::ToggleRecording);
-        }
-        if ui.button("Keys").on_hover_text("F1").clicked() {
-            actions.push(Action::ToggleHelp);
-        }
+        let button = button.on_hover_text("Records camera and edits; render replays the file (Ctrl+R)");
+        out.on_click(&button, AppAction::ToggleRecording);
+        out.button(ui, "Keys", "F1", AppAction::ToggleHelp);
     });
-    window(ui, shown, actions);
+    window(ui, shown, out);
 }
 
-/// A path without its folder.
-pub(super) fn short(name: &str) -> &str {
-    Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name)
-}
-
-fn window(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+fn window(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
     let mode = shown.gpu.presenter.mode();
     ComboBox::from_label("present mode").selected_text(mode.label()).show_ui(ui, |ui| {
         for offered in &shown.gpu.modes {
-            if ui.selectable_label(*offered == mode, offered.label()).clicked() {
-                actions.push(Action::SetPresentMode(*offered));
-            }
+            let label = ui.selectable_label(*offered == mode, offered.label());
+            out.on_click(&label, AppAction::SetPresentMode(*offered));
         }
     });
     let now = ui.ctx().zoom_factor();
@@ -179,9 +146,8 @@ fn window(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
     let combo = ComboBox::from_id_salt("device").selected_text(&current.name).width(210.0).truncate();
     combo.show_ui(ui, |ui| {
         for device in shown.gpu.devices.iter().filter(|device| device.unusable.is_none()) {
-            if ui.selectable_label(device.index == current.index, &device.name).clicked() {
-                actions.push(Action::RestartDevice(Some(device.index)));
-            }
+            let label = ui.selectable_label(device.index == current.index, &device.name);
+            out.on_click(&label, AppAction::RestartDevice(Some(device.index)));
         }
     });
 }

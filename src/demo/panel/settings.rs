@@ -1,16 +1,16 @@
 //! All settings, with tooltips and reset buttons. Rows, ranges and tooltips come from the settings' descriptors.
 
-use clap::ValueEnum;
 use egui::{Align, ComboBox, DragValue, Layout, Response, Ui};
 use toml::Value;
 
-use super::Shown;
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::Output;
+use crate::demo::action::{EditAction, ViewAction};
 use crate::demo::resolution::{COARSEST, Resolution};
 use crate::settings::{GROUPS, Kind, Setting, Settings};
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let Some(session) = shown.session else { return };
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
+    let Some(session) = shown.session() else { return };
     let mut settings = session.settings.clone();
     let defaults = Settings::default();
     for group in GROUPS {
@@ -22,13 +22,13 @@ pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
             }
         });
     }
-    coarseness(ui, shown.resolution, actions);
+    coarseness(ui, &shown.view.size.resolution, out);
     if settings != session.settings {
-        actions.push(Action::Set(Box::new(settings)));
+        out.push(EditAction::Set(Box::new(settings)));
     }
 }
 
-fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
+fn coarseness(ui: &mut Ui, resolution: &Resolution, out: &mut Output) {
     let (mut pixels, mut automatic) = (resolution.coarseness, resolution.automatic);
     let line = ui.horizontal(|ui| {
         ui.label("pixel size");
@@ -40,7 +40,7 @@ fn coarseness(ui: &mut Ui, resolution: &Resolution, actions: &mut Vec<Action>) {
         "The size follows the window. 2: each pixel covers 2x2 of the window, at a quarter of the cost.",
     );
     if (pixels, automatic) != (resolution.coarseness, resolution.automatic) {
-        actions.push(Action::SetCoarseness((!automatic).then_some(pixels)));
+        out.push(ViewAction::SetCoarseness((!automatic).then_some(pixels)));
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) fn row(ui: &mut Ui, setting: &Setting, settings: &mut Settings, defau
     });
 }
 
-/// The widget of a setting; writes what is chosen to `wanted`.
+/// The widget of a setting; writes the chosen value to `wanted`.
 fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut String) -> Response {
     // As fast as the number is large, but steps can be seen.
     let drag = |ui: &mut Ui, now: f64, [least, most]: [f64; 2], suffix: &str, wanted: &mut String| {
@@ -107,7 +107,7 @@ fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut Str
             response
         }
         Kind::Features => {
-            // What is being typed is no list yet.
+            // Text that is being typed is no list yet.
             let typed = ui.id().with(key);
             let kept = ui.data(|data| data.get_temp(typed));
             let mut names = kept.unwrap_or_else(|| wanted.clone());
@@ -141,11 +141,6 @@ fn field(ui: &mut Ui, (key, kind): (&str, Kind), value: &Value, wanted: &mut Str
         }
         Kind::Size { .. } => ui.label(wanted.as_str()),
     }
-}
-
-/// The name of a value on the command line.
-pub(super) fn name_of(value: &impl ValueEnum) -> String {
-    value.to_possible_value().map(|possible| possible.get_name().to_owned()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The divided window: divider, what each side shows, the reference's picture, the error of the left side.
+//! The divided window: divider, descriptions of both sides, the reference's picture, the error of the left side.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,22 +8,22 @@ use egui::{
     TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
 
-use super::scene::short;
-use super::settings::{name_of, row};
-use super::{PanelState, Places, Shown, place};
-use crate::demo::action::Action;
+use super::settings::row;
+use super::shown::Shown;
+use super::widgets::{Output, name_of, short};
+use crate::demo::action::{Action, AppAction, RightSide, ViewAction};
 use crate::demo::live_metrics::Shot;
 use crate::demo::live_reference::{ENOUGH, LiveReference};
 use crate::demo::session::Session;
-use crate::demo::split::{Right, RightSide, Split};
+use crate::demo::split::{Right, Split};
 use crate::estimators;
 use crate::plot::magma;
 use crate::report::FrameReport;
 use crate::settings::{self, Settings};
 
-/// Half the width of what can be gripped of the divider, points.
+/// Half the width of the divider's grip, points.
 const GRIP: f32 = 6.0;
-/// How far below the bar the sides say what they are, points.
+/// Distance of the descriptions of both sides from the bar, points.
 const LABELS_AT: f32 = 8.0;
 /// Settings of the right side that can be chosen.
 const CHOICES: [&str; 7] =
@@ -37,9 +37,7 @@ pub(in crate::demo) struct SplitState {
 }
 
 /// Paints the pictures of the CPU, below everything else.
-pub(super) fn pictures(ui: &Ui, state: &mut PanelState, split: &Split) {
-    let viewport = state.viewport(ui.ctx());
-    let state = &mut state.split;
+pub(super) fn pictures(ui: &Ui, state: &mut SplitState, viewport: Rect, split: &Split) {
     if let Some(shot) = split.right_of_cpu() {
         let shown = state.right.take().filter(|(known, _)| Arc::ptr_eq(known, shot));
         let (known, texture) = shown.unwrap_or_else(|| {
@@ -57,7 +55,7 @@ pub(super) fn pictures(ui: &Ui, state: &mut PanelState, split: &Split) {
         ui.painter().vline(divider, viewport.y_range(), Stroke::new(2.0, Color32::WHITE));
         return;
     }
-    let Some(compared) = split.metrics.last() else { return };
+    let Some(compared) = &split.metrics.last else { return };
     let shown = state.difference.take().filter(|(version, _)| *version == split.metrics.version);
     let (version, texture) = shown.unwrap_or_else(|| {
         let colours = compared.flip.iter().map(|&error| magma(f64::from(error)));
@@ -102,21 +100,21 @@ fn scale(ui: &Ui, viewport: Rect) {
     text(bar.right_bottom(), Align2::RIGHT_TOP, "1");
 }
 
-/// The divider, and what both sides are.
-pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let (Some(session), Some(split)) = (shown.session, shown.split) else { return };
-    let viewport = state.viewport(ui.ctx());
-    let places = &mut state.places;
+/// The divider, with a description of both sides.
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
+    let (Some(session), Some(split)) = (shown.session(), &shown.view.split) else { return };
+    let viewport = shown.picture_area(ui.ctx());
     let x = divider_of(viewport, split.at);
     let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, viewport.y_range());
     let divider = Area::new(Id::new("divider")).fixed_pos(line.min).show(ui.ctx(), |ui| {
         ui.allocate_response(line.size(), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal)
     });
-    place(ui, places, "divider", &divider.inner);
+    out.place(ui, "divider", &divider.inner);
     if divider.inner.dragged()
         && let Some(at) = divider.inner.interact_pointer_pos()
     {
-        actions.push(Action::MoveDivider(((at.x - viewport.left()) / viewport.width()).clamp(0.02, 0.98)));
+        let share = (at.x - viewport.left()) / viewport.width();
+        out.push(ViewAction::MoveDivider(share.clamp(0.02, 0.98)));
     }
     let label = |id: &str, at: Pos2, align: Align2, add: &mut dyn FnMut(&mut Ui)| {
         Area::new(Id::new(id)).fixed_pos(at).pivot(align).constrain_to(viewport).show(ui.ctx(), |ui| {
@@ -134,36 +132,31 @@ pub(super) fn draw(ui: &mut Ui, state: &mut PanelState, shown: &Shown<'_>, actio
     });
     let right = pos2(x + 10.0, viewport.top() + LABELS_AT);
     label("right side", right, Align2::LEFT_TOP, &mut |ui| {
-        right_side(ui, (session, split), places, actions);
+        right_side(ui, (session, split), out);
     });
 }
 
-fn right_side(
-    ui: &mut Ui,
-    (session, split): (&Session, &Split),
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+fn right_side(ui: &mut Ui, (session, split): (&Session, &Split), out: &mut Output) {
     ui.horizontal_wrapped(|ui| {
         let (is_method, is_reference) =
             (matches!(split.right, Right::Renderer(_)), matches!(split.right, Right::Reference(_)));
         let mut choice = |name: &str, is_on: bool, what: &str, action: Option<Action>| {
             let choice = ui.selectable_label(is_on, name).on_hover_text(what);
-            place(ui, places, name, &choice);
+            out.place(ui, name, &choice);
             if choice.clicked() {
-                actions.extend(action);
+                out.extend(action);
             }
         };
-        let side = |is_on: bool, side: RightSide| (!is_on).then_some(Action::Split(Some(side)));
+        let side = |is_on: bool, side: RightSide| (!is_on).then_some(ViewAction::Split(Some(side)).into());
         let what =
             "The same world by other settings; each side draws as many frames as it can in half of the time.";
         choice("method", is_method, what, side(is_method, RightSide::beside(&session.settings)));
         let what = "The path tracer, while nothing moves (G).";
         choice("reference", is_reference, what, side(is_reference, RightSide::Reference));
         let what = "The picture of an .exr, .hdr or .png, which can also be dropped on the window.";
-        choice("file …", !is_method && !is_reference, what, Some(Action::AskPicture));
+        choice("file …", !is_method && !is_reference, what, Some(AppAction::AskPicture.into()));
         let what = "FLIP error of the left side (X).";
-        choice("difference", split.shows_difference, what, Some(Action::ToggleDifference));
+        choice("difference", split.shows_difference, what, Some(ViewAction::ToggleDifference.into()));
     });
     match &split.right {
         Right::Reference(reference) => progress(ui, reference),
@@ -181,16 +174,16 @@ fn right_side(
                     row(ui, setting, &mut settings, &session.settings);
                 }
             });
-            place(ui, places, "change", &header.header_response);
+            out.place(ui, "change", &header.header_response);
             if settings != other.settings {
-                actions.push(Action::Split(Some(RightSide::Settings(Box::new(settings)))));
+                out.push(ViewAction::Split(Some(RightSide::Settings(Box::new(settings)))));
             }
         }
     }
 }
 
 fn progress(ui: &mut Ui, reference: &LiveReference) {
-    let Some(progress) = reference.progress() else {
+    let Some(progress) = &reference.progress else {
         ui.label("waits until nothing moves (Space pauses)");
         return;
     };
@@ -206,7 +199,7 @@ fn minutes(time: Duration) -> String {
 
 /// The error of the left side.
 fn numbers(ui: &mut Ui, split: &Split) {
-    let Some(compared) = split.metrics.last() else { return };
+    let Some(compared) = &split.metrics.last else { return };
     let metrics = compared.metrics;
     ui.label(format!("FLIP {:.4}, SSIM {:.4}", metrics.flip, metrics.ssim));
     ui.label(format!("relative error {:.2} %", 100.0 * metrics.mean_relative_error));

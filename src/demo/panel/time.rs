@@ -2,11 +2,12 @@
 
 use egui::{Align2, Color32, DragValue, FontId, Id, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
-use super::{Places, Shown, place};
-use crate::demo::action::Action;
-use crate::demo::clock::Pace;
+use super::shown::Shown;
+use super::widgets::Output;
+use crate::demo::action::{Selected, ViewAction};
+use crate::demo::clock::FramePacing;
 use crate::demo::keys::{key_at, move_key, rounded};
-use crate::demo::session::{Selected, Session};
+use crate::demo::session::Session;
 use crate::formats::AnimationEntry;
 
 /// Minimum length of the timeline, seconds; it grows by as much.
@@ -21,56 +22,51 @@ const KEY: f32 = 5.0;
 /// Colour of the playhead, and of the key at it.
 const PLAYHEAD: Color32 = Color32::from_rgb(255, 200, 0);
 
-/// What the keys on the timeline belong to.
+/// The entry with the keys on the timeline.
 type Keyed<'a> = (&'a Session, Selected, AnimationEntry);
 
-pub(super) fn draw(ui: &mut Ui, shown: &mut Shown<'_>, places: &mut Places, actions: &mut Vec<Action>) {
-    let clock = &mut *shown.clock;
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
+    let clock = &shown.view.clock;
     let mut time = clock.time;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let label = if clock.paused { "Play" } else { "Pause" };
-        if ui.button(label).on_hover_text("Space").clicked() {
-            actions.push(Action::TogglePause);
-        }
-        for (pace, label, what) in [
-            (Pace::RealTime, "real time", "The animation follows real time."),
-            (Pace::Steps, "steps", "Each frame advances by time_step, as in render."),
+        out.button(ui, label, "Space", ViewAction::TogglePause);
+        for (pacing, label, about) in [
+            (FramePacing::RealTime, "real time", "The animation follows real time."),
+            (FramePacing::Steps, "steps", "Each frame advances by time_step, as in render."),
         ] {
-            ui.selectable_value(&mut clock.pace, pace, label).on_hover_text(what);
+            let label = ui.selectable_label(clock.pacing == pacing, label).on_hover_text(about);
+            if label.clicked() && clock.pacing != pacing {
+                out.push(ViewAction::SetPacing(pacing));
+            }
         }
         let number = DragValue::new(&mut time).range(0.0..=1e6).speed(0.02).fixed_decimals(2).suffix(" s");
         let number = ui.add(number);
-        place(ui, places, "scrub value", &number);
+        out.place(ui, "scrub value", &number);
         if number.changed() {
-            actions.push(Action::Scrub(time));
+            out.push(ViewAction::Scrub(time));
         }
     });
-    let session = shown.session;
+    let session = shown.session();
     let keyed = session.and_then(|session| {
         let of = session.animated(session.selected?);
         Some((session, of, session.entry(of)?.animation().take().unwrap_or_default()))
     });
-    timeline(ui, (shown.clock.time, shown.clock.paused), keyed.as_ref(), places, actions);
+    timeline(ui, (shown.view.clock.time, shown.view.clock.paused), keyed.as_ref(), out);
     match keyed {
-        Some(keyed) => keys(ui, shown.clock.time, keyed, places, actions),
+        Some(keyed) => keys(ui, shown.view.clock.time, keyed, out),
         None => drop(ui.small("Select a light or an object to give its motion keys.")),
     }
 }
 
 /// The playhead over a scale of seconds, and a diamond for each key.
-fn timeline(
-    ui: &mut Ui,
-    (time, paused): (f64, bool),
-    keyed: Option<&Keyed<'_>>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+fn timeline(ui: &mut Ui, (time, paused): (f64, bool), keyed: Option<&Keyed<'_>>, out: &mut Output) {
     let id = Id::new("timeline");
     // The panel's scroll bar lies at the right.
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width() - 8.0, HEIGHT), Sense::hover());
     let track = ui.interact(rect, id, Sense::click_and_drag());
-    place(ui, places, "scrub", &track);
+    out.place(ui, "scrub", &track);
     let keyframes = keyed.map_or(&[][..], |(.., animation)| &animation.keyframes[..]);
     // Its length stays while something is dragged along it.
     let end = keyframes.last().map_or(time, |last| last.time.max(time));
@@ -99,7 +95,7 @@ fn timeline(
         && let Some(wanted) = track.interact_pointer_pos().map(time_of)
         && wanted != time
     {
-        actions.push(Action::Scrub(wanted));
+        out.push(ViewAction::Scrub(wanted));
     }
     track.on_hover_text("Drag the playhead to set the animation time.");
 
@@ -107,7 +103,7 @@ fn timeline(
         let centre = pos2(x_of(key.time), 0.5 * (top + rect.bottom()) + 3.0);
         let grip = Rect::from_center_size(centre, vec2(2.0 * KEY + 2.0, rect.bottom() - top));
         let grip = ui.interact(grip, id.with(index), Sense::click_and_drag());
-        place(ui, places, &format!("key {index}"), &grip);
+        out.place(ui, &format!("key {index}"), &grip);
         let is_now = keyed.is_some_and(|(.., animation)| key_at(animation, time) == Some(index));
         let colour = if is_now { PLAYHEAD } else { Color32::LIGHT_GRAY };
         let corners = [vec2(0.0, -KEY), vec2(KEY, 0.0), vec2(0.0, KEY), vec2(-KEY, 0.0)];
@@ -119,11 +115,11 @@ fn timeline(
         {
             let mut moved = animation.clone();
             now = move_key(&mut moved, index, time_of(at));
-            actions.extend(session.animate(*of, Some(moved)).filter(|_| now != key.time));
+            out.extend(session.animate(*of, Some(moved)).filter(|_| now != key.time));
         }
         // The playhead goes with it, so that handles and buttons are for this key.
         if (grip.dragged() || grip.clicked()) && (!paused || now != time) {
-            actions.extend([Action::Pause(true), Action::Scrub(now)]);
+            out.extend([ViewAction::Pause(true), ViewAction::Scrub(now)]);
         }
         if !grip.dragged() {
             grip.on_hover_text(format!("key at {:.2} s: drag to move it in time", key.time));
@@ -132,40 +128,31 @@ fn timeline(
 }
 
 /// Buttons for the keys of what is selected.
-fn keys(
-    ui: &mut Ui,
-    time: f64,
-    (session, of, animation): Keyed<'_>,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
-) {
+fn keys(ui: &mut Ui, time: f64, (session, of, animation): Keyed<'_>, out: &mut Output) {
     let key = key_at(&animation, time);
     ui.horizontal(|ui| {
-        let mut button = |name: &str, is_enabled: bool, what: &str| {
-            let button = ui.add_enabled(is_enabled, egui::Button::new(name)).on_hover_text(what);
-            place(ui, places, name, &button);
+        let button = |ui: &mut Ui, out: &mut Output, name: &str, is_enabled: bool, about: &str| {
+            let button = ui.add_enabled(is_enabled, egui::Button::new(name)).on_hover_text(about);
+            out.place(ui, name, &button);
             button.clicked()
         };
-        if button(
-            "add key",
-            key.is_none(),
-            "At the playhead, where it is now; then the handles pose the key.",
-        ) {
+        let about = "At the playhead, where it is now; then the handles pose the key.";
+        if button(ui, out, "add key", key.is_none(), about) {
             let time = rounded(time);
-            actions.extend([Action::Pause(true), Action::Scrub(time)]);
-            actions.extend(session.animate(of, Some(session.with_key(&animation, time))));
+            out.extend([ViewAction::Pause(true), ViewAction::Scrub(time)]);
+            out.extend(session.animate(of, Some(session.with_key(&animation, time))));
         }
-        let deletes = button("delete key", key.is_some(), "The one at the playhead.");
+        let deletes = button(ui, out, "delete key", key.is_some(), "The one at the playhead.");
         if let Some(key) = key.filter(|_| deletes) {
             let mut rest = animation.clone();
             rest.keyframes.remove(key);
-            actions.extend(session.animate(of, Some(rest)));
+            out.extend(session.animate(of, Some(rest)));
         }
         let mut repeat = animation.repeat;
         let several = animation.keyframes.len() > 1;
         let check = ui.add_enabled(several, egui::Checkbox::new(&mut repeat, "repeat"));
         if check.on_hover_text("After the last key the motion begins again.").changed() {
-            actions.extend(session.animate(of, Some(AnimationEntry { repeat, ..animation })));
+            out.extend(session.animate(of, Some(AnimationEntry { repeat, ..animation })));
         }
     });
     // In one line, whatever it says, so that nothing below moves.

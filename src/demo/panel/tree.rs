@@ -3,15 +3,15 @@
 use egui::collapsing_header::CollapsingState;
 use egui::{Button, Id, RichText, ScrollArea, Ui};
 
-use super::{Places, place};
-use crate::demo::action::Action;
-use crate::demo::session::{Selected, Session};
+use super::widgets::Output;
+use crate::demo::action::{Action, EditAction, Selected, ViewAction};
+use crate::demo::session::Session;
 use crate::scene::Mesh;
 
 /// Height of the tree, points.
 const HEIGHT: f32 = 150.0;
 
-/// What a node stands for.
+/// The subject of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum What {
     Group,
@@ -29,10 +29,10 @@ struct Node {
     is_open: bool,
 }
 
-/// What the tree shows as chosen.
+/// The nodes that are shown as chosen.
 struct Chosen {
     selected: Option<What>,
-    /// Whether that is another one than in the last frame.
+    /// Whether that differs from the last frame.
     is_new: bool,
     material: Option<What>,
 }
@@ -42,8 +42,7 @@ pub(super) fn draw(
     session: &Session,
     material: Option<usize>,
     searched: &str,
-    places: &mut Places,
-    actions: &mut Vec<Action>,
+    out: &mut Output,
 ) {
     let selected = session.selected.map(What::Entry);
     let known = Id::new("selected entry");
@@ -60,7 +59,7 @@ pub(super) fn draw(
         // A branch is open at once, so that what is selected in it can be scrolled to.
         ui.style_mut().animation_time = 0.0;
         for node in &nodes {
-            node.draw(ui, Id::new(&searched), &chosen, places, actions);
+            node.draw(ui, Id::new(&searched), &chosen, out);
         }
     });
 }
@@ -131,43 +130,40 @@ impl Node {
         Some(self.what) == what || self.children.iter().any(|child| child.has(what))
     }
 
-    fn draw(&self, ui: &mut Ui, parent: Id, chosen: &Chosen, places: &mut Places, actions: &mut Vec<Action>) {
+    fn draw(&self, ui: &mut Ui, parent: Id, chosen: &Chosen, out: &mut Output) {
         if self.children.is_empty() {
-            return self.label(ui, chosen, places, actions);
+            return self.label(ui, chosen, out);
         }
         let id = parent.with((self.what, &self.name));
         let mut state = CollapsingState::load_with_default_open(ui.ctx(), id, self.is_open);
         if chosen.is_new && self.children.iter().any(|child| child.has(chosen.selected)) {
             state.set_open(true);
         }
-        let header = state.show_header(ui, |ui| self.label(ui, chosen, places, actions));
+        let header = state.show_header(ui, |ui| self.label(ui, chosen, out));
         let (toggle, ..) = header.body(|ui| {
             for child in &self.children {
-                child.draw(ui, id, chosen, places, actions);
+                child.draw(ui, id, chosen, out);
             }
         });
-        place(ui, places, &format!("branch {}", self.name), &toggle);
+        out.place(ui, &format!("branch {}", self.name), &toggle);
     }
 
-    fn label(&self, ui: &mut Ui, chosen: &Chosen, places: &mut Places, actions: &mut Vec<Action>) {
+    fn label(&self, ui: &mut Ui, chosen: &Chosen, out: &mut Output) {
         let is_selected = chosen.selected == Some(self.what);
         let action = match self.what {
             What::Group => {
                 ui.label(format!("{} ({})", self.name, self.children.len()));
                 return;
             }
-            What::Entry(this) => Action::Select(Some(this)),
-            What::Material(material) => Action::ChooseMaterial(material),
+            What::Entry(this) => Action::from(EditAction::Select(Some(this))),
+            What::Material(material) => ViewAction::ChooseMaterial(material).into(),
         };
         let is_chosen = is_selected || chosen.material == Some(self.what);
         let name = RichText::new(&self.name);
         let is_material = matches!(self.what, What::Material(_));
         let name = if is_material { name.italics() } else { name };
         let label = ui.add(Button::selectable(is_chosen, name).truncate());
-        place(ui, places, &format!("node {}", self.name), &label);
-        if label.clicked() {
-            actions.push(action);
-        }
+        out.click(ui, &format!("node {}", self.name), &label, action);
         if is_selected && chosen.is_new {
             label.scroll_to_me(None);
         }

@@ -2,14 +2,15 @@
 
 use egui::{Id, Modal, Ui};
 
-use super::{PanelState, place};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::{Output, short};
+use crate::demo::action::AppAction;
 
-pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
-    let Some(pending) = state.pending.clone() else { return };
-    let what = match &pending {
-        Action::Open(name) => format!("Opening {}", super::scene::short(name)),
-        Action::Reload => "Reloading".to_owned(),
+pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, out: &mut Output) {
+    let Some(pending) = &shown.view.interface.pending else { return };
+    let what = match pending {
+        AppAction::Open(name) => format!("Opening {}", short(name)),
+        AppAction::Reload => "Reloading".to_owned(),
         _ => "Closing".to_owned(),
     };
     let modal = Modal::new(Id::new("unsaved")).show(ui.ctx(), |ui| {
@@ -20,7 +21,7 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
             let buttons = ["Save …", "Discard", "Cancel"].map(|name| (name, ui.button(name)));
             for (name, button) in &buttons {
-                place(ui, &mut state.places, name, button);
+                out.place(ui, name, button);
             }
             buttons.map(|(_, button)| button.clicked())
         })
@@ -28,11 +29,11 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
     });
     let [saves, discards, stays] = modal.inner;
     if saves {
-        actions.push(Action::AskSave);
+        out.push(AppAction::AskSave);
     } else if discards {
-        actions.push(pending);
+        out.push(pending.clone());
     }
     if saves || stays || modal.should_close() {
-        state.pending = None;
+        out.push(AppAction::KeepScene);
     }
 }

@@ -2,26 +2,28 @@
 
 use egui::{ComboBox, Ui};
 
-use super::{Shown, vpls};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::vpls;
+use super::widgets::Output;
+use crate::demo::action::ViewAction;
 use crate::estimators;
 use crate::renderer::DebugView;
 
-pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, actions: &mut Vec<Action>) {
-    let Some(session) = shown.session else { return };
+pub(super) fn draw(ui: &mut Ui, shown: &Shown<'_>, out: &mut Output) {
+    let Some(session) = shown.session() else { return };
     let mut view = session.renderer.view().clone();
     buffers(ui, &mut view);
-    vpls::view_options(ui, &mut view, session, actions);
-    let mut inspecting = shown.inspector.is_on();
+    vpls::view_options(ui, &mut view, session, out);
+    let mut inspecting = shown.view.inspector.is_on;
     if ui
         .checkbox(&mut inspecting, "inspector")
         .on_hover_text("Click a surface to edit its material and to list the VPLs that light it (I).")
         .changed()
     {
-        actions.push(Action::ToggleInspector);
+        out.push(ViewAction::ToggleInspector);
     }
     if view != *session.renderer.view() {
-        actions.push(Action::View(Box::new(view)));
+        out.push(ViewAction::View(Box::new(view)));
     }
 }
 

@@ -2,8 +2,9 @@
 
 use egui::{Align2, ComboBox, DragValue, Grid, Rect, Slider, Ui, Window};
 
-use super::Shown;
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::Output;
+use crate::demo::action::ViewAction;
 use crate::demo::inspector::Found;
 use crate::demo::session::Session;
 use crate::estimators::vpls::{
@@ -14,23 +15,8 @@ use crate::renderer::DebugView;
 use crate::scene::luminance;
 use crate::settings::VplSettings;
 
-/// VPL paths that are shown at first: few enough to be told apart.
-const FEW_PATHS: u32 = 128;
-
-/// What is remembered of paths while they are hidden.
-pub(in crate::demo) struct PathsState {
-    pub style: PathStyle,
-    pub sample: Option<u32>,
-}
-
-impl Default for PathsState {
-    fn default() -> Self {
-        Self { style: PathStyle::default(), sample: Some(FEW_PATHS) }
-    }
-}
-
 /// The options of the views, where VPLs are the method.
-pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session, actions: &mut Vec<Action>) {
+pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session, out: &mut Output) {
     if session.renderer.estimator::<Vpls>().is_none() {
         return;
     }
@@ -39,15 +25,15 @@ pub(super) fn view_options(ui: &mut Ui, view: &mut DebugView, session: &Session,
         if shows_a_set {
             set(ui, options, session.settings.vpl.temporal_sets);
         }
-        paths(ui, options, session.settings.vpl.pool_size().max(1), actions);
-        single(ui, options, actions);
+        paths(ui, options, session.settings.vpl.pool_size().max(1), out);
+        single(ui, options, out);
     });
 }
 
 /// A title, and what each colour means.
 type Legend = (String, Vec<(String, [f32; 3])>);
 
-/// What the colours of a view mean: of paths, and of how many frames old the light is.
+/// Explains the colours of a view: those of paths, and those of the age of the light in frames.
 pub(super) fn legends(view: &DebugView, settings: &VplSettings) -> Vec<Legend> {
     let mut legends = Vec::new();
     if view.buffer == STALENESS {
@@ -84,7 +70,7 @@ fn set(ui: &mut Ui, view: &mut VplDebugView, sets: u32) {
     });
 }
 
-fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Vec<Action>) {
+fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, out: &mut Output) {
     ui.horizontal(|ui| {
         let mut on = view.vpl_paths.is_some();
         if ui
@@ -92,7 +78,7 @@ fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Vec<Acti
             .on_hover_text("VPLs as points, their paths as lines (P)")
             .changed()
         {
-            actions.push(Action::TogglePaths);
+            out.push(ViewAction::TogglePaths);
         }
         let mut style = view.vpl_paths.unwrap_or_default();
         ComboBox::from_id_salt("paths").selected_text(style.label()).show_ui(ui, |ui| {
@@ -112,24 +98,20 @@ fn paths(ui: &mut Ui, view: &mut VplDebugView, most: u32, actions: &mut Vec<Acti
     }
 }
 
-fn single(ui: &mut Ui, view: &VplDebugView, actions: &mut Vec<Action>) {
+fn single(ui: &mut Ui, view: &VplDebugView, out: &mut Output) {
     ui.horizontal(|ui| {
         ui.label("VPL");
-        if ui.small_button("<").on_hover_text("previous VPL (,)").clicked() {
-            actions.push(Action::StepVpl(-1));
-        }
+        out.on_click(&ui.small_button("<").on_hover_text("previous VPL (,)"), ViewAction::StepVpl(-1));
         ui.label(view.single_vpl.map_or_else(|| "all".to_owned(), |slot| slot.to_string()));
-        if ui.small_button(">").on_hover_text("next VPL (.)").clicked() {
-            actions.push(Action::StepVpl(1));
-        }
+        out.on_click(&ui.small_button(">").on_hover_text("next VPL (.)"), ViewAction::StepVpl(1));
         if ui.add_enabled(view.single_vpl.is_some(), egui::Button::new("all").small()).clicked() {
-            actions.push(Action::AllVpls);
+            out.push(ViewAction::AllVpls);
         }
     });
 }
 
 /// The list of VPLs that light a point.
-pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, actions: &mut Vec<Action>) {
+pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, out: &mut Output) {
     let window = Window::new("Inspector")
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
         .max_width((viewport.width() - 30.0).max(200.0))
@@ -137,32 +119,32 @@ pub(super) fn inspector(ui: &Ui, viewport: Rect, shown: &Shown<'_>, actions: &mu
         .resizable(false)
         .vscroll(true);
     window.show(ui.ctx(), |ui| {
-        if let Some((pixel, _)) = &shown.inspector.pixel {
+        if let Some((pixel, _)) = &shown.view.inspector.pixel {
             ui.label(pixel);
             ui.separator();
         }
-        if !shown.inspector.has_point() {
+        if shown.view.inspector.point.is_none() {
             ui.label("Click a surface.");
             return;
         }
-        if shown.inspector.found.is_empty() {
+        if shown.view.inspector.found.is_empty() {
             ui.label("No VPL faces this point.");
             return;
         }
-        let all: f32 = shown.inspector.found.iter().map(brought).sum();
+        let all: f32 = shown.view.inspector.found.iter().map(brought).sum();
         Grid::new("found").num_columns(6).striped(true).show(ui, |ui| {
             for head in ["slot", "share", "bounce", "age", "path", "ray"] {
                 ui.strong(head);
             }
             ui.end_row();
-            for found in &shown.inspector.found {
+            for found in &shown.view.inspector.found {
                 let slot = found.slot.slot;
                 if ui.link(slot.to_string()).on_hover_text("Isolate this VPL.").clicked()
-                    && let Some(session) = shown.session
+                    && let Some(session) = shown.session()
                 {
                     let mut view = session.renderer.view().clone();
                     view.change_options(|options: &mut VplDebugView| options.single_vpl = Some(slot));
-                    actions.push(Action::View(Box::new(view)));
+                    out.push(ViewAction::View(Box::new(view)));
                 }
                 let share = if all > 0.0 { 100.0 * brought(found) / all } else { 0.0 };
                 ui.label(format!("{share:.1} %"))

@@ -2,8 +2,9 @@
 
 use egui::{Align2, Ui, Window};
 
-use super::{PanelState, place};
-use crate::demo::action::Action;
+use super::shown::Shown;
+use super::widgets::Output;
+use crate::demo::action::AppAction;
 
 const LINES: [&str; 5] = [
     "All light in this room is computed as you watch: click a lamp or a ball and drag it by its arrows.",
@@ -13,10 +14,10 @@ const LINES: [&str; 5] = [
     "F1 lists all keys; F2 begins a tour; F3 measures what temporal sets gain.",
 ];
 
-pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
-    let at = state.viewport(ui.ctx()).left_bottom() + egui::vec2(12.0, -36.0);
+pub(super) fn draw(ui: &Ui, shown: &Shown<'_>, out: &mut Output) {
+    let at = shown.picture_area(ui.ctx()).left_bottom() + egui::vec2(12.0, -36.0);
     let window = Window::new("Welcome to glowworm").fixed_pos(at).pivot(Align2::LEFT_BOTTOM);
-    let width = (state.viewport(ui.ctx()).width() - 40.0).clamp(100.0, 640.0);
+    let width = (shown.picture_area(ui.ctx()).width() - 40.0).clamp(100.0, 640.0);
     let shown = window.collapsible(false).resizable(false).show(ui.ctx(), |ui| {
         ui.set_max_width(width);
         for line in LINES {
@@ -25,9 +26,6 @@ pub(super) fn draw(ui: &Ui, state: &mut PanelState, actions: &mut Vec<Action>) {
         ui.button("Got it")
     });
     if let Some(button) = shown.and_then(|shown| shown.inner) {
-        place(ui, &mut state.places, "Got it", &button);
-        if button.clicked() {
-            actions.push(Action::DismissWelcome);
-        }
+        out.click(ui, "Got it", &button, AppAction::DismissWelcome);
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
-use super::DemoError;
+use super::error::DemoError;
 use super::session::{Saved, Session};
 use crate::output::{OutputFile, PictureTarget};
 
