@@ -17,5 +17,14 @@ Surface surface_at(ivec2 pixel) {
     return surface;
 }
 
+// Irradiance over that across the unit direction `to_light`: the cosine to the shading normal, and to the direction below the triangle
+// that the triangle mirrors up to this one. Twin: `WorldSurface::received` in src/scene/world_surface.rs.
+float received(Surface surface, vec3 to_light) {
+    float cosine = dot(surface.shading, to_light);
+    float above = dot(surface.geometric, to_light);
+    float mirrored = cosine - 2.0 * above * dot(surface.geometric, surface.shading);
+    return above > 0.0 ? max(cosine, 0.0) + max(mirrored, 0.0) : 0.0;
+}
+
 // Where rays from the surface begin.
 vec3 ray_origin(Surface surface) { return surface.position + surface.geometric * ray_offset(surface.position); }

@@ -6,6 +6,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod bumps;
 mod denoisers;
 mod direct;
 mod environment;

@@ -68,7 +68,7 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
     vec4 u = fract(shift_of(texel, 3u) + vec4(0.0, cycle_shift(0u), cycle_shift(1u), cycle_shift(2u)) + float(vpl.layer) * vec4(0.8191725, 0.6710436, 0.5497005, 0.4502995)
         + dot(vec2(texel), vec2(0.5545497, 0.3086578)) * vec4(0.0, 1.0, 2.0, 3.0));
     vec3 direction = cosine_hemisphere(surface.shading, u.xy);
-    if (dot(direction, surface.geometric) <= 0.0) return vec3(0.0);
+    direction -= 2.0 * min(dot(direction, surface.geometric), 0.0) * surface.geometric;
     vec3 origin = ray_origin(surface);
     TracerHit hit;
     rays++;

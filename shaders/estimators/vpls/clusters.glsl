@@ -1,4 +1,4 @@
-// The VPLs of the set in clusters of neighbours, and choosing within one. Needs vpls.glsl, surface.glsl and representative.glsl.
+// The VPLs of the set in clusters of neighbours, and choosing within one. Needs gather.glsl and representative.glsl.
 // Define CLUSTERS_BINDING before including. Twins: VplCluster in src/estimators/vpls/clusters.rs,
 // SamplingPush, TILE in src/estimators/vpls/indirect_shadows.rs.
 #include "choice.glsl"
@@ -84,7 +84,7 @@ SampledVpl choose_vpl(VplCluster cluster, Surface surface, float random) {
     Choice choice = new_choice(fract(at));
     for (uint i = min(uint(at), stride - 1u); i < cluster.count; i += stride) {
         GpuVpl light = vpls.data[vpl.first_vpl + cluster.first + i];
-        offer(choice, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
+        offer(choice, cluster.first + i, luminance(unshadowed_irradiance(light, surface)));
     }
     return SampledVpl(choice.kept, choice.weight > 0.0 ? float(stride) * choice.sum / choice.weight : 0.0);
 }
