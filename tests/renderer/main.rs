@@ -31,6 +31,7 @@ mod presets;
 mod reference;
 mod reflections;
 mod rooms;
+mod sealed;
 mod shadows;
 mod soft_shadows;
 mod sphere;

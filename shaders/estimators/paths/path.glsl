@@ -157,7 +157,7 @@ bool scatter(inout ShadingPoint at, Choice chosen, uint first, inout Scattered s
         light += scattered.weight * found.emission * share_of_emission(at, chosen, first, hit, found, scattered);
     }
     cone.width += cone.spread * hit.t;
-    at.surface = Surface(found.position, found.shading, found.geometric, hit.t);
+    at.surface = Surface(found.position, found.shading, found.geometric, hit.t, 0.0);
     at.is_glossy = reflects(found.bsdf);
     at.reflection = prepare_bsdf(found.bsdf, found.shading, -scattered.direction);
     at.diffuse = at.reflection.diffuse;

@@ -77,7 +77,7 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
     float squared = hit.t * hit.t;
     float emission_cut_off = max(1.0 - 16.0 * vpl.geometry_bound * squared, 0.0);
     float cut_off = 1.0 - vpl.geometry_bound * squared;
-    Surface at = Surface(met.position, met.normal, met.normal, 1.0);
+    Surface at = Surface(met.position, met.normal, met.normal, 1.0, 0.0);
     vec3 irradiance = direct_light(at, u.z, rays) + vpl_light(at, block_of(texel), u.w, rays);
     vec3 brought = PI * emission_cut_off * met.emission + cut_off * met.albedo * irradiance;
     return HAS_THIN_SURFACES ? brought * trace_transmittance(origin, direction, 0.0, just_before(hit.t)) : brought;
