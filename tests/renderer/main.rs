@@ -44,4 +44,5 @@ mod thin_features;
 mod thin_surfaces;
 mod tracers;
 mod uneven_vpls;
+mod veils;
 mod views;
