@@ -194,7 +194,7 @@ Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, uint first_light, 
         HitSurface surface = surface_of(hit, sampled.direction, cone);
         cone.width += cone.spread * hit.t;
         if (depth == 0u) first = FirstHit(true, hit.instance, hit.t, surface.position, surface.shading, surface.geometric);
-        at.surface = Surface(surface.position, surface.shading, surface.geometric, hit.t);
+        at.surface = Surface(surface.position, surface.shading, surface.geometric, hit.t, 0.0);
         at.is_glossy = reflects(surface.bsdf);
         at.reflection = prepare_bsdf(surface.bsdf, surface.shading, -sampled.direction);
         at.diffuse = at.reflection.diffuse;
@@ -296,7 +296,7 @@ bool thin_surface_at(ivec2 pixel, out ReflectingSurface reflector, out Path path
     HitSurface met;
     if (!next_thin_surface(direction, start, FAR, push.spread, hit, met)) return false;
     Reflection reflection = prepare_bsdf(met.bsdf, met.shading, -normalize(direction));
-    reflector.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
+    reflector.at = ShadingPoint(Surface(met.position, met.shading, met.geometric, hit.t, 0.0), reflection.diffuse, reflects(met.bsdf), reflection, 0.0);
     reflector.roughness = met.bsdf.roughness;
     reflector.instance = hit.instance + 1u;
     reflector.mirrors = true;

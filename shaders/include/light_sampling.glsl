@@ -68,7 +68,7 @@ LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss
     vec3 end = point + normal * ray_offset(point) - origin;
     float reach = length(end);
     float solid_angle = cosine * inversesqrt(squared) / squared; // of a unit of area
-    float density = light.is_visible == 1u ? 1.0 / (solid_angle * light.area) : 0.0;
+    float density = emitter.edge_v.w / (solid_angle * light.area);
     return LightSample(end / reach, reach, emitter.radiance.rgb * (solid_angle / emitter.edge_u.w), gloss, density);
 }
 

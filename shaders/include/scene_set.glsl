@@ -87,7 +87,7 @@ struct AreaLightData {
 struct Emitter {
     vec4 corner;   // xyz; w: share of the light's flux of the emitters up to this one
     vec4 edge_u;   // xyz: to the second corner; w: density of points, 1/area
-    vec4 edge_v;   // xyz: to the third
+    vec4 edge_v;   // xyz: to the third; w: 1 if rays hit it, which pass thin surfaces
     vec4 radiance; // rgb; w: index of its alpha mask plus one, as bits
     vec4 uvs;      // of the mask: first and second corner
     vec4 uv;       // xy: third; zw: alphas of the corners, half floats as bits

@@ -5,7 +5,13 @@ struct Surface {
     vec3 shading;   // unit normals on the side that is seen
     vec3 geometric;
     float depth;    // along the view; 0 where no surface is
+    float lift;     // share of the way to the eye by which rays begin before it
 };
+
+// How many pixels before a visible surface, towards the eye, rays begin. Rasterizers round the corners of triangles (mostly to 1/256 of a
+// pixel), so what a pixel sees may lie beyond the edge of its triangle, behind the wall that stands there. Nothing lies before it. The
+// flatter one looks at that wall, the farther behind it is: this much serves for up to 85 degrees.
+const float LIFT = 1.0 / 32.0;
 
 Surface surface_at(ivec2 pixel) {
     Surface surface;
@@ -14,8 +20,20 @@ Surface surface_at(ivec2 pixel) {
     vec4 normals = imageLoad(gbuffer_normal, pixel);
     surface.shading = octahedral_decode(normals.xy);
     surface.geometric = octahedral_decode(normals.zw);
+    surface.lift = LIFT * pixel_footprint();
     return surface;
 }
 
+// Irradiance over that across the unit direction `to_light`: the cosine to the shading normal, and to the direction below the triangle
+// that the triangle mirrors up to this one. Twin: `WorldSurface::received` in src/scene/world_surface.rs.
+float received(Surface surface, vec3 to_light) {
+    float cosine = dot(surface.shading, to_light);
+    float above = dot(surface.geometric, to_light);
+    float mirrored = cosine - 2.0 * above * dot(surface.geometric, surface.shading);
+    return above > 0.0 ? max(cosine, 0.0) + max(mirrored, 0.0) : 0.0;
+}
+
 // Where rays from the surface begin.
-vec3 ray_origin(Surface surface) { return surface.position + surface.geometric * ray_offset(surface.position); }
+vec3 ray_origin(Surface surface) {
+    return mix(surface.position, frame.eye.xyz, surface.lift) + surface.geometric * ray_offset(surface.position);
+}

@@ -37,7 +37,7 @@ layout(push_constant) uniform Push {
 } push;
 
 // Thin surfaces that are seen one behind the other, at most.
-const int MOST_THIN_SURFACES = 8;
+const int MOST_THIN_SURFACES = 256;
 
 // The radiance of punctual lights by both lobes towards the eye.
 vec3 lit_by_lamps(Surface at, Reflection reflection, bool is_glossy) {
@@ -75,7 +75,7 @@ void main() {
         Reflection reflection = prepare_bsdf(met.bsdf, met.shading, to_eye);
         ThinPoint thin = thin_point(hit.material, met.colour);
         vec3 weight = transmittance * thin.coverage;
-        Surface at = Surface(met.position, met.shading, met.geometric, hit.t);
+        Surface at = Surface(met.position, met.shading, met.geometric, hit.t, 0.0);
         light += weight * (met.emission + lit_by_lamps(at, reflection, reflects(met.bsdf)));
         vec3 by_irradiance = weight * (reflection.diffuse + reflection.reflected);
         if (shown == 0 && frame.reflection_limit >= 0.0) mirrored = by_irradiance;

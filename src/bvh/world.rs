@@ -10,9 +10,6 @@ use super::ray::{Hit, Occlusion, RAYS_PER_TASK, Ray};
 use super::two_level::TwoLevelBvh;
 use crate::scene::{Pose, Scene, Side, SurfacePoint};
 
-/// Thin surfaces that one ray passes at most; further ones are opaque.
-const MAX_THIN_SURFACES: u32 = 64;
-
 /// The world at one moment, on the CPU.
 #[derive(Clone, Copy, Debug)]
 pub struct World<'a> {
@@ -72,8 +69,7 @@ impl World<'_> {
         if !self.bvh.has_thin_surfaces() {
             return (hit, transmission);
         }
-        for _ in 0..MAX_THIN_SURFACES {
-            let Some(met) = hit else { break };
+        while let Some(met) = hit {
             let Some((coverage, passed)) = self.thin_surface(&met, ray.direction) else { break };
             let passes = passed.max_element();
             // A surface that passes all light of a channel takes no number, so that invisible ones change nothing.
@@ -151,16 +147,13 @@ impl World<'_> {
     /// The product of all thin surfaces on a segment.
     fn tint_of_thin_surfaces(&self, ray: &Ray) -> Vec3 {
         let (mut tint, mut rest) = (Vec3::ONE, *ray);
-        for _ in 0..=MAX_THIN_SURFACES {
-            let Some(hit) = self.bvh.intersect(&rest) else { return tint };
-            let Some((_, passed)) = self.thin_surface(&hit, ray.direction) else { break };
+        while tint != Vec3::ZERO {
+            let Some(hit) = self.bvh.intersect(&rest) else { break };
+            let Some((_, passed)) = self.thin_surface(&hit, ray.direction) else { return Vec3::ZERO };
             tint *= passed;
-            if tint == Vec3::ZERO {
-                break;
-            }
             rest = beyond(ray, &hit);
         }
-        Vec3::ZERO
+        tint
     }
 
     /// If the surface is a thin surface: how much of it is there, and what it lets pass of light in this direction.

@@ -160,12 +160,14 @@ impl Export<'_> {
         surface.child(self.read(name, content, image, ["", "png"]))
     }
 
-    /// The radiance of an emissive material.
+    /// The radiance of an emissive material; Mitsuba does not multiply it with the coverage.
     pub(super) fn radiance(&mut self, emitter: Element, material: &Material) -> Element {
+        let coverage = if material.alpha == Alpha::Blend { material.opacity } else { 1.0 };
+        let factor = material.emission * coverage;
         let Some(image) = material.emission_texture else {
-            return emitter.rgb("radiance", material.emission);
+            return emitter.rgb("radiance", factor);
         };
-        let content = Content::Emission { texture: image.texture, factor: material.emission };
+        let content = Content::Emission { texture: image.texture, factor };
         emitter.child(self.read("radiance", content, image, ["emission-", "exr"]).boolean("raw", true))
     }
 

@@ -29,7 +29,7 @@ pub(super) const SMOOTH_EMITTERS: &str =
 pub(super) const EMITTERS_WITHOUT_REFLECTION: &str = "The camera sees emissive surfaces without the light that they reflect: it sees a copy of them, since \
      hide_emitters hides them with the portals and the spheres of lights.";
 pub(super) const MASKED_EMISSION: &str =
-    "In Mitsuba, parts of emissive surfaces that an alpha mask hides emit nevertheless.";
+    "In Mitsuba, parts of emissive surfaces that alpha hides emit nevertheless.";
 pub(super) const ONE_SIDED_EMISSION: &str =
     "Surfaces that emit on both sides emit from their front alone in Mitsuba.";
 pub(super) const BACKS: &str =

@@ -209,7 +209,8 @@ impl Export<'_> {
         } else if smooth {
             self.remarks.insert(remarks::SMOOTH_EMITTERS);
         }
-        if glow.alpha_mask.is_some() {
+        let varies = glow.alpha == Alpha::Blend && glow.base_colour_texture.is_some();
+        if glow.alpha_mask.is_some() || varies {
             self.remarks.insert(remarks::MASKED_EMISSION);
         }
         if glow.emits_on_both_sides {

@@ -38,7 +38,7 @@ pub struct Emitter {
     pub corner: Vec4,
     /// xyz: to the second corner; w: density of points, 1/area.
     pub edge_u: Vec4,
-    /// xyz: to the third corner.
+    /// xyz: to the third corner; w: 1 if rays hit it; they pass thin surfaces.
     pub edge_v: Vec4,
     /// rgb: radiance; w: index of its alpha mask plus one, as bits.
     pub radiance: Vec4,
@@ -113,6 +113,7 @@ impl AreaLights {
 
     fn add(&mut self, scene: &Scene, instance: usize, triangles: &[AreaTriangle], transform: &Affine3A) {
         let mesh = &scene.meshes[scene.instances[instance].mesh];
+        let visible = scene.instances[instance].visible;
         let flips_winding = transform.matrix3.determinant() < 0.0;
         let first = self.emitters.len();
         let (mut flux, mut area, mut facing, mut power) = (0.0, 0.0, Vec3::ZERO, Vec3::ZERO);
@@ -146,7 +147,7 @@ impl AreaLights {
                 // The running sum for now.
                 corner: a.extend(flux as f32),
                 edge_u: u.extend(own),
-                edge_v: v.extend(0.0),
+                edge_v: v.extend(f32::from(visible && !material.is_thin_surface())),
                 radiance: triangle.radiance.extend(f32::from_bits(mask)),
                 uvs: Vec4::new(first.x, first.y, second.x, second.y),
                 uv: Vec4::new(third.x, third.y, f32::from_bits(first_two), f32::from_bits(last)),
@@ -172,7 +173,7 @@ impl AreaLights {
             power: power.extend(0.0),
             first: to_u32(first),
             count: to_u32(self.emitters.len() - first),
-            is_visible: u32::from(scene.instances[instance].visible),
+            is_visible: u32::from(self.emitters[first..].iter().any(|emitter| emitter.edge_v.w > 0.0)),
             area,
         });
     }

@@ -116,7 +116,7 @@ impl AreaLight {
 }
 
 impl AreaLight {
-    /// Radiance at a point of an emitter, by its texture or the colours of its vertices.
+    /// Radiance at a point of an emitter, times the share of it that is there, by its textures or the colours of its vertices.
     fn radiance(&self, scene: &Scene, emitter: &Emitter, weights: Vec2) -> Vec3 {
         let mesh = &scene.meshes[scene.instances[self.instance].mesh];
         let triangle = emitter.piece.triangle;
@@ -125,7 +125,7 @@ impl AreaLight {
             return emitter.piece.radiance;
         }
         let at = SurfacePoint { triangle, barycentrics: emitter.piece.barycentrics(weights) };
-        material.emission_at(scene, mesh.interpolate(at).attributes) * self.factor
+        material.covered_emission_at(scene, mesh.interpolate(at).attributes) * self.factor
     }
 
     /// The emitter that a point of a side of a triangle (its index, whether it is its front) belongs to.

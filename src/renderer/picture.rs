@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::shared::effect_image;
 use super::{RenderError, Renderer};
 use crate::effects::reflections::reflection_weight;
+use crate::gpu_scene::structs::FrameUniforms;
 use crate::output::{Layer, Picture};
 use crate::passes::effect_view::Visualization;
 use crate::passes::thin_surfaces::ThinSurfacesPass;
@@ -174,9 +175,16 @@ impl Renderer {
         let position: Vec<[f32; 4]> =
             pixels().zip(&depth).map(|(pixel, depth)| self.position(pixel, *depth)).collect();
         // From pixels to a fraction of the picture.
-        let [width, height] = self.resolved.size.map(|side| side as f32);
+        let size = Vec2::from(self.resolved.size.map(|side| side as f32));
         let motion = self.read_halves(&gbuffer.motion, 2)?;
-        let motion: Vec<[f32; 2]> = motion.iter().map(|[x, y, ..]| [x / width, y / height]).collect();
+        let motion: Vec<[f32; 2]> = pixels()
+            .zip(&motion)
+            .zip(&depth)
+            .map(|((pixel, &[x, y, ..]), &depth)| {
+                let moved = if depth > 0.0 { Vec2::new(x, y) / size } else { self.background_motion(pixel) };
+                moved.to_array()
+            })
+            .collect();
         let instances = ids.iter().map(|id| id[0] as f32 - 1.0).collect();
         let mut layers = vec![
             Layer::of_channels("direct", &["R", "G", "B"], &light.direct),
@@ -236,10 +244,26 @@ impl Renderer {
     /// shaders/include/frame.glsl.
     fn position(&self, pixel: [u32; 2], depth: f32) -> [f32; 4] {
         let Some(uniforms) = self.uniforms.filter(|_| depth > 0.0) else { return [0.0; 4] };
-        let [pixel, size] = [pixel, self.resolved.size].map(|of| Vec2::from(of.map(|side| side as f32)));
-        let at = (pixel + 0.5) * (2.0 / size) - 1.0;
-        let ray = uniforms.ray + at.x * uniforms.ray_x + at.y * uniforms.ray_y;
+        let (ray, _) = self.pixel_ray(&uniforms, pixel);
         (uniforms.eye + depth * ray + self.anchor.extend(0.0)).to_array()
+    }
+
+    /// The ray through a pixel, and the place of that in the picture, 0 to 1.
+    fn pixel_ray(&self, uniforms: &FrameUniforms, pixel: [u32; 2]) -> (Vec4, Vec2) {
+        let [pixel, size] = [pixel, self.resolved.size].map(|of| Vec2::from(of.map(|side| side as f32)));
+        let place = (pixel + 0.5) / size;
+        let at = 2.0 * place - 1.0;
+        (uniforms.ray + at.x * uniforms.ray_x + at.y * uniforms.ray_y, place + uniforms.jitter / size)
+    }
+
+    /// How far what lies behind all surfaces has moved since the last frame, as a fraction of the picture. Twin: `motion_at` in
+    /// shaders/passes/taa.comp.
+    fn background_motion(&self, pixel: [u32; 2]) -> Vec2 {
+        let turned = |uniforms: &FrameUniforms| Some(uniforms.previous_view_projection) != self.unjittered;
+        let Some(uniforms) = self.uniforms.filter(turned) else { return Vec2::ZERO };
+        let (ray, place) = self.pixel_ray(&uniforms, pixel);
+        let then = uniforms.previous_view_projection * ray;
+        if then.w > 0.0 { place - (then.truncate().truncate() / then.w * 0.5 + 0.5) } else { Vec2::ONE }
     }
 
     pub(super) fn read_halves(&self, image: &Image, channels: usize) -> Result<Vec<[f32; 4]>, RenderError> {

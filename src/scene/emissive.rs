@@ -1,7 +1,7 @@
 //! Emissive triangles of an instance as an area light.
 //!
-//! In: the materials of its mesh. Out: triangles with a radiance; those whose texture varies in pieces, so that light is sampled
-//! where the texture emits.
+//! In: the materials of its mesh. Out: triangles with a radiance, times the share of them that is there; those whose textures vary in
+//! pieces, so that light is sampled where they emit.
 
 use glam::{Vec2, Vec3};
 
@@ -9,9 +9,10 @@ use super::contents::{Pose, Scene};
 use super::light::{AreaTriangle, Light, LightKind, luminance};
 use super::material::Material;
 use super::mesh::{Mesh, SurfacePoint};
+use super::texture_use::TextureUse;
 use crate::sampling;
 
-/// Points of a piece at which the texture is read.
+/// Points of a piece at which textures are read.
 const POINTS: u32 = 16;
 
 /// Most pieces of an instance, unless it has more triangles.
@@ -19,6 +20,9 @@ const MOST_PIECES: usize = 4096;
 
 /// Most splits of a triangle into four: 32 pieces along each edge.
 const MOST_SPLITS: u32 = 5;
+
+/// Splits where only vertices make the difference: 8 pieces along each edge.
+const VERTEX_SPLITS: u32 = 3;
 
 /// Pieces that differ by less than this share of the brightest are one.
 const LEAST_CONTRAST: f32 = 0.05;
@@ -62,28 +66,31 @@ impl EmissiveSide<'_> {
 
     fn piece(&self, corners: [Vec2; 3]) -> AreaTriangle {
         let piece = self.piece_at(corners);
-        if !self.material.emission_varies(self.mesh) {
-            return AreaTriangle { radiance: self.material.emission, ..piece };
-        }
         let radiance = |point| {
             let at = SurfacePoint { triangle: self.triangle, barycentrics: piece.barycentrics(point) };
-            self.material.emission_at(self.scene, self.mesh.interpolate(at).attributes)
+            self.material.covered_emission_at(self.scene, self.mesh.interpolate(at).attributes)
         };
+        if !self.material.emission_varies(self.mesh) {
+            return AreaTriangle { radiance: radiance(Vec2::ZERO), ..piece };
+        }
         let sum: Vec3 = sampling::triangle_points(POINTS).map(radiance).sum();
         AreaTriangle { radiance: sum / POINTS as f32, ..piece }
     }
 
     /// Splits after which a piece is about as large as a texel, at most `most`.
     fn splits(&self, most: u32) -> u32 {
-        let Some(texture) = self.material.emission_texture else { return 0 };
-        let size = self.scene.textures[texture.texture].size().as_vec2();
-        let place = |barycentrics| {
-            let at = SurfacePoint { triangle: self.triangle, barycentrics };
-            texture.coordinates(self.mesh.interpolate(at).attributes.uvs) * size
+        let of_texture = |texture: TextureUse| {
+            let size = self.scene.textures[texture.texture].size().as_vec2();
+            let place = |barycentrics| {
+                let at = SurfacePoint { triangle: self.triangle, barycentrics };
+                texture.coordinates(self.mesh.interpolate(at).attributes.uvs) * size
+            };
+            let [a, b, c] = AreaTriangle::WHOLE.map(place);
+            let texels = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            if texels.is_finite() { (texels.max(1.0).log2().ceil() as u32 + 1).min(most) } else { 0 }
         };
-        let [a, b, c] = AreaTriangle::WHOLE.map(place);
-        let texels = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        if texels.is_finite() { (texels.max(1.0).log2().ceil() as u32 + 1).min(most) } else { 0 }
+        let by_vertices = if self.material.emission_varies(self.mesh) { VERTEX_SPLITS.min(most) } else { 0 };
+        self.material.emitting_textures().map(of_texture).max().unwrap_or(by_vertices)
     }
 }
 
@@ -112,8 +119,8 @@ impl Scene {
                 mesh.triangle_materials.iter().map(|&material| &self.materials[material as usize]);
             (0..).zip(materials).filter(|(_, material)| material.is_emissive())
         };
-        let textured = emissive().filter(|(_, material)| material.emission_texture.is_some()).count();
-        let most = (MOST_PIECES / textured.max(1)).max(1).ilog(4).min(MOST_SPLITS);
+        let varying = emissive().filter(|(_, material)| material.emission_varies(mesh)).count();
+        let most = (MOST_PIECES / varying.max(1)).max(1).ilog(4).min(MOST_SPLITS);
         let mut pieces = Vec::new();
         for (triangle, material) in emissive() {
             for front in [true, false].into_iter().filter(|&front| material.emits_on(front)) {

@@ -75,7 +75,7 @@ pub struct AreaTriangle {
     pub front: bool,
     /// Corners within that triangle: the weights of the second and of the third vertex.
     pub corners: [Vec2; 3],
-    /// Radiance, its mean over the texture, W/m^2/sr.
+    /// Radiance times the share of it that is there, the mean over its textures, W/m^2/sr.
     pub radiance: Vec3,
 }
 

@@ -60,9 +60,21 @@ impl Material {
         self.emission * colour * texel(scene, self.emission_texture, &at)
     }
 
-    /// Whether it varies over a triangle of `mesh`.
+    /// Emission at a point times the coverage of the surface there, W/m^2/sr.
+    pub(crate) fn covered_emission_at(&self, scene: &Scene, at: Attributes) -> Vec3 {
+        self.emission_at(scene, at) * self.thin_surface_at(scene, at).coverage
+    }
+
+    /// Whether [`Self::covered_emission_at`] varies over a triangle of `mesh`.
     pub(crate) fn emission_varies(&self, mesh: &Mesh) -> bool {
-        self.emission_texture.is_some() || self.unlit && !mesh.colours.is_empty()
+        let by_vertices = self.unlit || self.alpha == Alpha::Blend;
+        self.emitting_textures().next().is_some() || by_vertices && !mesh.colours.is_empty()
+    }
+
+    /// The textures of [`Self::covered_emission_at`]: that of emission and, where it blends, that of alpha.
+    pub(crate) fn emitting_textures(&self) -> impl Iterator<Item = TextureUse> {
+        let of_alpha = self.base_colour_texture.filter(|_| self.alpha == Alpha::Blend);
+        self.emission_texture.into_iter().chain(of_alpha)
     }
 
     /// Emission, averaged over the texture, W/m^2/sr.

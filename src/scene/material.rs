@@ -59,7 +59,8 @@ pub struct Material {
     pub emits_on_both_sides: bool,
     /// Whether its emission is that of its base colour, and so multiplied with the vertices' colours (KHR_materials_unlit).
     pub unlit: bool,
-    /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out. Those parts do not emit.
+    /// Index into `Scene::alpha_masks`; set where parts of the surface are cut out, never where it blends. What is cut out does not
+    /// emit.
     pub alpha_mask: Option<usize>,
 }
 

@@ -27,7 +27,7 @@ pub struct WorldSurface {
     pub position: Vec3,
     /// Unit normal of the triangle.
     pub geometric_normal: Vec3,
-    /// Unit shading normal, interpolated and by the normal map: VPLs shine and scatter about it.
+    /// Unit shading normal, interpolated and by the normal map.
     pub normal: Vec3,
 }
 
@@ -35,6 +35,15 @@ impl WorldSurface {
     /// Origin of a ray from this surface, or end of a shadow ray to it.
     pub(crate) fn offset_position(&self, scene_radius: f32) -> Vec3 {
         self.position + self.geometric_normal * ray_offset(self.position, scene_radius)
+    }
+
+    /// Irradiance over that across the unit direction `to_light`: the cosine to the shading normal, and to the direction below the
+    /// triangle that the triangle mirrors up to this one (`reference::path`). Twin: `received` in shaders/include/surface.glsl.
+    pub(crate) fn received(&self, to_light: Vec3) -> f32 {
+        let cosine = self.normal.dot(to_light);
+        let above = self.geometric_normal.dot(to_light);
+        let mirrored = cosine - 2.0 * above * self.geometric_normal.dot(self.normal);
+        if above > 0.0 { cosine.max(0.0) + mirrored.max(0.0) } else { 0.0 }
     }
 }
 

@@ -6,6 +6,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod bumps;
 mod denoisers;
 mod direct;
 mod environment;
@@ -30,6 +31,7 @@ mod presets;
 mod reference;
 mod reflections;
 mod rooms;
+mod sealed;
 mod shadows;
 mod soft_shadows;
 mod sphere;
@@ -42,4 +44,5 @@ mod thin_features;
 mod thin_surfaces;
 mod tracers;
 mod uneven_vpls;
+mod veils;
 mod views;

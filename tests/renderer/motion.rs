@@ -251,6 +251,37 @@ fn pixels_know_where_their_surface_was() {
     assert!(motion.iter().all(|(_, values)| values.iter().all(|value| *value == 0.0)));
 }
 
+#[test]
+fn the_sky_moves_as_the_camera_turns() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let scene = scene(
+        "[[models]]\nname = \"box\"\nprimitive = \"box\"\nsize = [1, 1, 1]\n[[instances]]\nmodel = \"box\"\n\
+         [camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\n",
+    );
+    let settings = settings(MissingSets::Scale);
+    let before = scene.pose(0.0);
+    let mut now = before.clone();
+    now.camera.target += Vec3::new(0.3, 0.1, 0.0);
+    now.camera.eye.y += 0.05;
+    let mut renderer = gpu.renderer(&scene, &settings, &before);
+    renderer.render(&before).unwrap();
+    renderer.render(&now).unwrap();
+    let picture = renderer.read_picture(true).unwrap();
+    let motion = &picture.layers.iter().find(|layer| layer.name == "motion").unwrap().channels;
+    let [width, height] = settings.size;
+    let size = glam::Vec2::new(width as f32, height as f32);
+    let [ray, right, down] = now.camera.pixel_rays(size.x / size.y);
+    let matrix = before.camera.projection_matrix(size.x / size.y) * before.camera.view_matrix();
+    for pixel in [0, width - 1, width * height - 1] {
+        let place = glam::Vec2::new((pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5) / size;
+        let at = 2.0 * place - 1.0;
+        let clip = matrix * (ray + right * at.x + down * at.y).extend(0.0);
+        let expected = place - (glam::Vec2::new(clip.x, clip.y) / clip.w * 0.5 + 0.5);
+        let found = glam::Vec2::new(motion[0].1[pixel as usize], motion[1].1[pixel as usize]);
+        assert!(found.distance(expected) < 1e-4 && expected.length() > 0.02, "{found} {expected}");
+    }
+}
+
 /// Pixels within `EDGE` of the side that a turning camera brings in that no draw has lit though they become lit, and
 /// those that there are.
 fn black_at_the_edge(gpu: &GpuFixture, scene: &Arc<Scene>) -> [usize; 2] {

@@ -157,7 +157,7 @@ bool scatter(inout ShadingPoint at, Reservoir reservoir, uint first, inout Scatt
         light += scattered.weight * found.emission * mis_weight_emission(at, reservoir, first, hit, found, scattered);
     }
     cone.width += cone.spread * hit.t;
-    at.surface = Surface(found.position, found.shading, found.geometric, hit.t);
+    at.surface = Surface(found.position, found.shading, found.geometric, hit.t, 0.0);
     at.is_glossy = reflects(found.bsdf);
     at.reflection = prepare_bsdf(found.bsdf, found.shading, -scattered.direction);
     at.diffuse = at.reflection.diffuse;

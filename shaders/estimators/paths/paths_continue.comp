@@ -74,7 +74,7 @@ void main() {
             PathVertex vertex;
             if (is_kept) vertex = vertex_at(pixel, first_layer + 1u);
             else vertex = deepest_vertex(pixel, depth);
-            Surface surface = Surface(vertex.position, vertex.normal, vertex.normal, 1.0);
+            Surface surface = Surface(vertex.position, vertex.normal, vertex.normal, 1.0, 0.0);
             path_irradiance(surface, RayCone(0.0, push.spread), 0u, pixel, frame.noise_frame, FIRST_DIMENSION, rays);
             bool goes_on = vertex_at(pixel, first_layer + 1u).state != VERTEX_ABSENT;
             depth = goes_on && depth < DEPTH ? depth + 1u : 0u;

@@ -41,7 +41,7 @@ void main() {
     vec4 weight = in_picture ? imageLoad(hit_weight, pixel) : vec4(0.0);
     if (weight.rgb != vec3(0.0)) {
         HitRecord hit = unpack_hit(imageLoad(hit_place, pixel), weight);
-        Surface surface = Surface(hit.position, hit.shading, hit.geometric, 1.0);
+        Surface surface = Surface(hit.position, hit.shading, hit.geometric, 1.0, 0.0);
         RayCone cone = RayCone(0.0, push.spread);
         vec3 light = path_irradiance(surface, cone, frame.direct_lights, pixel, frame.noise_frame, FIRST_DIMENSION, rays);
         vec4 before = imageLoad(reflection, pixel);

@@ -68,7 +68,7 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
     vec4 u = fract(shift_of(texel, 3u) + vec4(0.0, cycle_shift(0u), cycle_shift(1u), cycle_shift(2u)) + float(vpl.layer) * vec4(0.8191725, 0.6710436, 0.5497005, 0.4502995)
         + dot(vec2(texel), vec2(0.5545497, 0.3086578)) * vec4(0.0, 1.0, 2.0, 3.0));
     vec3 direction = cosine_hemisphere(surface.shading, u.xy);
-    if (dot(direction, surface.geometric) <= 0.0) return vec3(0.0);
+    direction -= 2.0 * min(dot(direction, surface.geometric), 0.0) * surface.geometric;
     vec3 origin = ray_origin(surface);
     TracerHit hit;
     rays++;
@@ -77,7 +77,7 @@ vec3 compensation(uvec2 texel, Surface surface, inout uint rays) {
     float squared = hit.t * hit.t;
     float emission_cut_off = max(1.0 - 16.0 * vpl.geometry_bound * squared, 0.0);
     float cut_off = 1.0 - vpl.geometry_bound * squared;
-    Surface at = Surface(met.position, met.normal, met.normal, 1.0);
+    Surface at = Surface(met.position, met.normal, met.normal, 1.0, 0.0);
     vec3 irradiance = direct_light(at, u.z, rays) + vpl_light(at, block_of(texel), u.w, rays);
     vec3 brought = PI * emission_cut_off * met.emission + cut_off * met.albedo * irradiance;
     return HAS_THIN_SURFACES ? brought * trace_transmittance(origin, direction, 0.0, just_before(hit.t)) : brought;

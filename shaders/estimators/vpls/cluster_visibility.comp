@@ -17,6 +17,7 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 #include "surface.glsl"
+#include "gather.glsl"
 #define CLUSTERS_BINDING 5
 #include "clusters.glsl"
 layout(set = 0, binding = 9, std430) writeonly buffer VisibilityBlock { float data[]; } cluster_visibility;

@@ -1,4 +1,4 @@
-// The VPLs of the set in clusters of neighbours, and choosing within one. Needs vpls.glsl, surface.glsl and representative.glsl.
+// The VPLs of the set in clusters of neighbours, and choosing within one. Needs gather.glsl and representative.glsl.
 // Define CLUSTERS_BINDING before including. Twins: VplCluster in src/estimators/vpls/clusters.rs,
 // SamplingPush, TILE in src/estimators/vpls/indirect_shadows.rs.
 #include "reservoir.glsl"
@@ -84,7 +84,7 @@ SampledVpl choose_vpl(VplCluster cluster, Surface surface, float random) {
     Reservoir reservoir = new_reservoir(fract(at));
     for (uint i = min(uint(at), stride - 1u); i < cluster.count; i += stride) {
         GpuVpl light = vpls.data[vpl.first_vpl + cluster.first + i];
-        update(reservoir, cluster.first + i, luminance(unshadowed_irradiance(light, surface.position, surface.shading)));
+        update(reservoir, cluster.first + i, luminance(unshadowed_irradiance(light, surface)));
     }
     return SampledVpl(reservoir.selected, reservoir.weight > 0.0 ? float(stride) * reservoir.sum / reservoir.weight : 0.0);
 }

@@ -33,7 +33,7 @@ void main() {
     vec4 weight = in_picture ? imageLoad(hit_weight, pixel) : vec4(0.0);
     if (weight.rgb != vec3(0.0)) {
         HitRecord hit = unpack_hit(imageLoad(hit_place, pixel), weight);
-        Surface surface = Surface(hit.position, hit.shading, hit.geometric, 1.0);
+        Surface surface = Surface(hit.position, hit.shading, hit.geometric, 1.0, 0.0);
         Reservoir reservoir = new_reservoir(hit.random);
         for (uint i = 0u; i < CLUSTERS; i++) {
             VplCluster cluster = vpl_clusters.data[vpl.layer * CLUSTERS + i];

@@ -15,6 +15,7 @@ layout(set = 0, binding = 1, r32f) uniform readonly image2D gbuffer_depth;
 layout(set = 0, binding = 2, rgba16f) uniform readonly image2D gbuffer_normal;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image2D vpl_light;
 #include "surface.glsl"
+#include "gather.glsl"
 
 // weight: factor on the irradiance; 0: there is no such VPL.
 layout(push_constant) uniform Push { float weight; } push;
@@ -30,7 +31,7 @@ void main() {
         vec4 ray = ray_to(one, origin);
         vec3 transmittance = trace_transmittance(origin, ray.xyz, 0.0, ray.w);
         if (transmittance != vec3(0.0)) {
-            vec3 irradiance = unshadowed_irradiance(one, surface.position, surface.shading);
+            vec3 irradiance = unshadowed_irradiance(one, surface);
             light = vec4(irradiance * transmittance * push.weight, 1.0);
         }
     }

@@ -77,7 +77,7 @@ struct Unoccluded {
 // The light of one VPL times a weight, with its ray.
 vec3 sampled_light(Surface surface, GpuVpl light, float weight, inout Unoccluded unoccluded, inout uint rays) {
     if (vpl_uniforms.data.swept[0].exists > 0.0) {
-        float share = weight * luminance(unshadowed_irradiance(light, surface.position, surface.shading));
+        float share = weight * luminance(unshadowed_irradiance(light, surface));
         vec3 origin = ray_origin(surface);
         unoccluded.all += share;
         if (crosses_swept_box(origin, ray_to(light, origin))) unoccluded.changed += share;

@@ -1,4 +1,4 @@
-// VPLs, and what one sends to a point. Needs frame.glsl. Define VPLS_BINDING before including: it and the next are taken.
+// VPLs, and what one emits. Needs frame.glsl. Define VPLS_BINDING before including: it and the next are taken.
 // Twins: VplUniforms in src/estimators/vpls/vpl_buffer.rs, GpuVpl and GlossyLobe in src/estimators/vpls/manager/.
 #include "bsdf.glsl"
 
@@ -29,14 +29,14 @@ struct VplUniforms {
 
 // The GGX lobe of a VPL on a glossy surface, by which it emits a share of its flux; the Lambertian lobe emits the rest.
 struct GlossyLobe {
-    vec3 incident; // unit direction in which light arrived at the VPL
+    vec3 incident; // unit direction that the normal mirrors as the shading normal mirrors the light that arrived
     uint packed;   // unorm: the lobe's share of the flux in each channel, and its roughness; 0: no such lobe
 };
 
 struct GpuVpl {
     vec3 position;    // on the surface; at infinity the unit direction towards it
     uint slot;
-    vec3 normal;      // of the side that shines
+    vec3 normal;      // geometric, of the side that shines
     uint bounce;
     vec3 flux;        // phi, W; at infinity the irradiance across its direction, W/m^2
     uint at_infinity; // 1: a direction instead of a place
@@ -63,20 +63,6 @@ vec3 emission_density(GpuVpl light, vec3 direction) {
     // Normalized: that of a surface that reflects all light.
     Reflection white = prepare_bsdf(Bsdf(vec3(0.0), 0.0, vec3(1.0), 1.0, lobe.a), light.normal, -light.lobe.incident);
     return mix(diffuse, reflected_towards_eye(white, direction) * cosine, lobe.rgb);
-}
-
-// Irradiance at p with normal n, unoccluded.
-vec3 unshadowed_irradiance(GpuVpl light, vec3 p, vec3 n) {
-    if (light.at_infinity != 0u) return light.flux * max(dot(n, light.position), 0.0);
-    vec3 d = light.position - p;
-    float squared = dot(d, d);
-    if (squared <= 0.0) return vec3(0.0);
-    float inverse = 1.0 / squared;
-    vec3 direction = d * inversesqrt(squared);
-    float cosine = dot(n, direction);
-    if (cosine <= 0.0) return vec3(0.0);
-    float bound = bound_of(light);
-    return light.flux * emission_density(light, -direction) * (cosine * (bound > 0.0 ? min(inverse, bound) : inverse));
 }
 
 // Whether a ray crosses a box that an instance has swept, so that its occlusion may have changed.

@@ -50,7 +50,10 @@ pub(super) fn samples_of(scene: &Scene, pose: &Pose) -> Vec<Sample> {
             let across = (index as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract();
             let point = SurfacePoint { triangle: triangle as u32, barycentrics: sampling::triangle(across) };
             let surface = mesh.interpolate(point);
-            let opaque = scene.opaque_at(mesh.triangle_materials[triangle], surface.attributes);
+            let material = mesh.triangle_materials[triangle];
+            let coverage =
+                scene.materials[material as usize].thin_surface_at(scene, surface.attributes).coverage;
+            let opaque = coverage >= 0.5 && scene.opaque_at(material, surface.attributes);
             // Vertex normals tell the outside better than the order of corners.
             let side = Side::Front(surface.normal.dot(surface.geometric_normal) >= 0.0);
             opaque.then(|| Sample::of(&scene.surface_at(pose, instance as u32, point, side)))

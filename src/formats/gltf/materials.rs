@@ -342,7 +342,7 @@ fn alpha_of(
             (Alpha::Mask(cutoff), add(mask.cut_at(cutoff, factor)).filter(|_| cutoff > 0.0))
         }
         AlphaMode::Blend if factor < 1.0 || by_vertices || mask.clone().cut_at(1.0, 1.0).cuts() => {
-            (Alpha::Blend, add(mask.cut_at(0.5, factor)))
+            (Alpha::Blend, None)
         }
         _ => (Alpha::Opaque, None),
     }

@@ -145,7 +145,7 @@ pub(super) fn add_materials(file: &Path, materials: &[MtlMaterial], scene: &mut 
             metallic_roughness_texture: texture(data, data_of(maps)),
             normal_texture: texture(relief.0, relief.1.map(Source::Relief)),
             alpha: if cut_out { Alpha::Mask(0.5) } else { surface.alpha },
-            alpha_mask,
+            alpha_mask: alpha_mask.filter(|_| cut_out),
             ..surface
         });
     }

@@ -127,9 +127,9 @@ impl Emitter {
     }
 }
 
-/// A ray from a surface, cosine-distributed about its shading normal. It may point below the triangle, where no light goes.
+/// A ray from a surface, cosine-distributed about its geometric normal.
 pub(super) fn diffuse_ray(surface: &WorldSurface, u: Vec2, scene_radius: f32) -> Ray {
-    let direction = Frame::around(surface.normal).to_world(sampling::cosine_hemisphere(u));
+    let direction = Frame::around(surface.geometric_normal).to_world(sampling::cosine_hemisphere(u));
     Ray { origin: surface.offset_position(scene_radius), direction, t_min: 0.0, t_max: f32::INFINITY }
 }
 
@@ -166,7 +166,7 @@ impl Sky {
 
     /// The ray of a path's next VPL, with its weight, where `at` is what [`Self::surface`] has given.
     pub(super) fn next_ray(&self, at: &WorldSurface, u: Vec2) -> (Ray, f32) {
-        through_disc(Frame::around(at.normal), &self.disc, u)
+        through_disc(Frame::around(at.geometric_normal), &self.disc, u)
     }
 
     /// Share of the flux of a VPL at infinity that is meant for the middle of the scene.

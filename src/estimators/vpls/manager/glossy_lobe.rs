@@ -1,23 +1,31 @@
 //! The GGX lobe of a VPL on a glossy surface, by which it emits a share of its flux; the Lambertian lobe emits the rest.
 //!
-//! In: a BSDF, its normal and the direction of incidence. Out: the lobes, their density (1/sr) and samples of it. Twin:
+//! In: a BSDF, its surface and the direction of incidence. Out: the lobes, their density (1/sr) and samples of it. Twin:
 //! shaders/estimators/vpls/vpls.glsl.
+//!
+//! Light paths go against the paths of `reference`, so the shading normal counts where light arrives, and the geometric normal where
+//! it leaves (the adjoint BSDF: Veach 1997, section 5.3). No VPL shines below its triangle.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
 use crate::bsdf::{Bsdf, Reflection};
 use crate::sampling::{self, Frame};
+use crate::scene::WorldSurface;
 
 /// Lobes of smoother surfaces get this roughness: each VPL stands for a continuum of light paths, and a narrow lobe would show as a
 /// spot of its own.
 const LEAST_ROUGHNESS: f32 = 0.5;
 
+/// Least cosine between a triangle and the light that arrives: bounds the flux of light that grazes the triangle and not the bump.
+const LEAST_COSINE: f32 = 0.01;
+
 /// `GlossyLobe` in shaders/estimators/vpls/vpls.glsl (std430, 16 bytes).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GlossyLobe {
-    /// Unit direction in which light arrived at the VPL.
+    /// Unit direction in which light arrived at the VPL, turned so that the geometric normal mirrors it as the shading normal mirrors
+    /// light.
     pub incident: Vec3,
     /// Unorm, 8 bits each, the lowest first: the lobe's share of the flux in each channel, and its roughness. 0: no such lobe.
     pub packed: u32,
@@ -27,15 +35,32 @@ impl GlossyLobe {
     /// No such lobe: the VPL is Lambertian.
     pub const NONE: Self = Self { incident: Vec3::ZERO, packed: 0 };
 
-    /// The albedo of a surface for light in the unit direction `incident`, and the lobe.
-    pub(super) fn of(bsdf: &Bsdf, normal: Vec3, incident: Vec3) -> (Vec3, Self) {
-        let lobes = bsdf.hemispherical_reflectance(-normal.dot(incident));
+    /// What a surface sends back of the flux that arrives in the unit direction `incident`, and the lobe. `from_light`: as a sample
+    /// of a punctual light, of which the shading normal mirrors nothing up.
+    pub(super) fn of(bsdf: &Bsdf, surface: &WorldSurface, incident: Vec3, from_light: bool) -> (Vec3, Self) {
+        let WorldSurface { geometric_normal, normal, .. } = *surface;
+        let arrives = -normal.dot(incident);
+        if arrives <= 0.0 {
+            return (Vec3::ZERO, Self::NONE);
+        }
+        let cosine = (-geometric_normal.dot(incident)).max(LEAST_COSINE);
+        let received = if from_light { arrives } else { surface.received(-incident) };
+        let lobes = bsdf.hemispherical_reflectance(arrives);
         let albedo = lobes.diffuse + lobes.reflected;
-        let share = lobes.reflected / albedo.max(Vec3::splat(f32::MIN_POSITIVE));
+        // Bumps spread their lobes as a Lambertian surface would: by the square of the cosine of twice their slope, less is left of one.
+        let level = (2.0 * normal.dot(geometric_normal).powi(2) - 1.0).max(0.0).powi(2);
+        let share = lobes.reflected * level / albedo.max(Vec3::splat(f32::MIN_POSITIVE));
         let fields = share.extend(bsdf.roughness.max(LEAST_ROUGHNESS)).to_array();
         let bytes = fields.map(|field| (field.clamp(0.0, 1.0) * 255.0).round() as u8);
-        let is_none = lobes.reflected == Vec3::ZERO;
-        (albedo, if is_none { Self::NONE } else { Self { incident, packed: u32::from_le_bytes(bytes) } })
+        let flux = albedo * (received / cosine);
+        if share == Vec3::ZERO {
+            return (flux, Self::NONE);
+        }
+        // Mirrored once more by the triangle, unless it has been below.
+        let mirrored = incident.reflect(normal);
+        let is_above = mirrored.dot(geometric_normal) > 0.0;
+        let incident = if is_above { mirrored.reflect(geometric_normal) } else { mirrored };
+        (flux, Self { incident, packed: u32::from_le_bytes(bytes) })
     }
 
     /// The lobe's share of the flux in each channel.
@@ -93,6 +118,12 @@ mod tests {
     };
     const BRASS: Bsdf = Bsdf { base: Vec3::new(0.9, 0.7, 0.3), metallic: 1.0, ..VARNISH };
 
+    /// On a level surface.
+    fn of(bsdf: &Bsdf, incident: Vec3) -> (Vec3, GlossyLobe) {
+        let surface = WorldSurface { position: Vec3::ZERO, geometric_normal: Vec3::Z, normal: Vec3::Z };
+        GlossyLobe::of(bsdf, &surface, incident, false)
+    }
+
     /// The middle of each cell of a grid over the hemisphere of equal solid angles, with that angle.
     fn directions(normal: Vec3) -> impl Iterator<Item = (Vec3, f32)> {
         let (rings, around) = (256, 256);
@@ -111,7 +142,7 @@ mod tests {
         for bsdf in [VARNISH, BRASS] {
             for slope in [0.0, 1.0, 3.0] {
                 let incident = Vec3::new(slope, 0.0, -1.0).normalize();
-                let (albedo, lobe) = GlossyLobe::of(&bsdf, Vec3::Z, incident);
+                let (albedo, lobe) = of(&bsdf, incident);
                 let (mut total, mut error, mut of_lambertian) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
                 for (direction, angle) in directions(Vec3::Z) {
                     // Seen from the direction in which light leaves.
@@ -137,7 +168,7 @@ mod tests {
     fn samples_have_the_density() {
         let incident = Vec3::new(1.0, 0.3, -1.0).normalize();
         for bsdf in [VARNISH, BRASS, Bsdf::lambertian(Vec3::splat(0.5))] {
-            let (_, lobe) = GlossyLobe::of(&bsdf, Vec3::Z, incident);
+            let (_, lobe) = of(&bsdf, incident);
             let expected: Vec3 =
                 directions(Vec3::Z).map(|(d, angle)| lobe.density(Vec3::Z, d) * (angle * d.x)).sum();
             let count = 1 << 14;
@@ -150,8 +181,20 @@ mod tests {
     }
 
     #[test]
+    fn leaning_normals_keep_the_flux_of_uniform_light() {
+        for slope in [0.0, 0.2, 0.6, 1.7] {
+            let normal = Vec3::new(slope, 0.0, 1.0).normalize();
+            let surface = WorldSurface { position: Vec3::ZERO, geometric_normal: Vec3::Z, normal };
+            let white = Bsdf::lambertian(Vec3::ONE);
+            let flux = |d: Vec3| GlossyLobe::of(&white, &surface, -d, false).0.x * d.z;
+            let total: f32 = directions(Vec3::Z).map(|(d, angle)| flux(d) * angle).sum();
+            assert!((total / std::f32::consts::PI - 1.0).abs() < 0.01, "slope {slope}: {total}");
+        }
+    }
+
+    #[test]
     fn a_lambertian_surface_has_none() {
-        let (albedo, lobe) = GlossyLobe::of(&Bsdf::lambertian(Vec3::splat(0.3)), Vec3::Z, -Vec3::Z);
+        let (albedo, lobe) = of(&Bsdf::lambertian(Vec3::splat(0.3)), -Vec3::Z);
         assert_eq!((albedo, lobe), (Vec3::splat(0.3), GlossyLobe::NONE));
     }
 }

@@ -91,7 +91,7 @@ impl Importance {
     }
 
     fn cell_of_vpl(&self, surface: &WorldSurface, at_infinity: bool) -> Cell {
-        if at_infinity { direction_cell(-surface.normal) } else { self.cell(surface) }
+        if at_infinity { direction_cell(-surface.geometric_normal) } else { self.cell(surface) }
     }
 
     fn cell(&self, surface: &WorldSurface) -> Cell {

@@ -115,7 +115,7 @@ fn ray_to(vpl: &GpuVpl, origin: Vec3, scene_radius: f32) -> Ray {
 /// Unoccluded irradiance at a surface point, W/m^2; `clamp` bounds the geometry term unless it is 0.
 pub(crate) fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 {
     if vpl.at_infinity != 0 {
-        return vpl.flux * at.normal.dot(vpl.position).max(0.0);
+        return vpl.flux * at.received(vpl.position);
     }
     let d = vpl.position - at.position;
     let squared = d.length_squared();
@@ -124,5 +124,5 @@ pub(crate) fn contribution(vpl: &GpuVpl, at: &WorldSurface, clamp: f32) -> Vec3 
     }
     let (inverse, direction) = (1.0 / squared, d / squared.sqrt());
     let geometry = if clamp > 0.0 { inverse.min(clamp) } else { inverse };
-    vpl.flux * vpl.lobe.density(vpl.normal, -direction) * (at.normal.dot(direction).max(0.0) * geometry)
+    vpl.flux * vpl.lobe.density(vpl.normal, -direction) * (at.received(direction) * geometry)
 }

@@ -119,7 +119,7 @@ impl VplManager {
     }
 
     /// The ray that a shot of `slot` would trace now for a candidate, with its weight; none if the parent is not valid, or if the
-    /// ray would enter its parent's surface. Not for primary VPLs.
+    /// lobe has no such direction. Not for primary VPLs.
     pub(super) fn sample_ray(&self, slot: u32, candidate: u32) -> Option<(Ray, Vec3)> {
         let address = &self.assignment.addresses[slot as usize];
         let emitter = &self.changes.emitters[address.light as usize];
@@ -137,11 +137,9 @@ impl VplManager {
             let (ray, weight) = sky.next_ray(parent, u);
             return Some((ray, Vec3::splat(weight)));
         }
-        let (direction, weight) = slot.lobe.sample(parent.normal, u)?;
+        let (direction, weight) = slot.lobe.sample(parent.geometric_normal, u)?;
         let origin = parent.offset_position(self.changes.bounds.radius);
-        let ray = Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY };
-        // A direction above the shading hemisphere but below the geometric surface carries no light.
-        (direction.dot(parent.geometric_normal) > 0.0).then_some((ray, weight))
+        Some((Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }, weight))
     }
 
     /// Where the ray of a slot's candidate stops, whose closest hit is `hit`, and how it came there. The random numbers belong to
@@ -184,9 +182,7 @@ impl VplManager {
                     // The alpha mask cuts this point out of the light.
                     return (escaped, WorldSurface::default());
                 }
-                // Emission follows the geometric normal.
-                let surface = WorldSurface { normal: found.surface.geometric_normal, ..found.surface };
-                (Slot { front: found.front, instance, point, throughput: weight, ..valid }, surface)
+                (Slot { front: found.front, instance, point, throughput: weight, ..valid }, found.surface)
             }
             Start::AtInfinity(uv, weight) => {
                 let point = SurfacePoint { triangle: 0, barycentrics: uv };
@@ -205,7 +201,8 @@ impl VplManager {
                 let (found, material) = surface_at(hit.instance, point, Side::Facing(ray.direction));
                 let material = &world.scene.materials[material as usize];
                 let bsdf = material.bsdf_at(world.scene, found.attributes);
-                let (albedo, lobe) = GlossyLobe::of(&bsdf, found.surface.normal, ray.direction);
+                let direction = ray.direction.normalize();
+                let (albedo, lobe) = GlossyLobe::of(&bsdf, &found.surface, direction, address.parent == NONE);
                 let filled = Slot {
                     front: found.front,
                     instance: hit.instance,

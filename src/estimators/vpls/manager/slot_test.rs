@@ -115,10 +115,10 @@ impl VplManager {
         if address.parent != NONE {
             let parent = &self.surfaces[address.parent as usize];
             if self.slots[address.parent as usize].is_at_infinity() {
-                return test_towards_infinity(surface, end, parent.normal);
+                return test_towards_infinity(surface, end, parent.geometric_normal);
             }
             let along = surface.position - parent.position;
-            let leaves = parent.geometric_normal.dot(along) > 0.0 && parent.normal.dot(along) > 0.0;
+            let leaves = parent.geometric_normal.dot(along) > 0.0;
             let arrives = surface.geometric_normal.dot(along) < 0.0;
             let faces = leaves && arrives;
             return if faces { Ok(Some(towards(parent.offset_position(radius)))) } else { Err(FacesAway) };

@@ -89,13 +89,7 @@ impl Slot {
         if let (true, Source::Environment(sky)) = (self.is_at_infinity(), &emitter.source) {
             return sky.surface(self.point.barycentrics);
         }
-        let side = Side::Front(self.front);
-        let mut surface = world.scene.surface_at(world.pose, self.instance, self.point, side).surface;
-        if address.bounce == 0 {
-            // A light's own surface emits about the flat triangle's normal.
-            surface.normal = surface.geometric_normal;
-        }
-        surface
+        world.scene.surface_at(world.pose, self.instance, self.point, Side::Front(self.front)).surface
     }
 }
 

@@ -23,7 +23,7 @@ pub struct GpuVpl {
     pub position: Vec3,
     /// Slot index.
     pub slot: u32,
-    /// Unit normal of the emitting side.
+    /// Unit geometric normal of the emitting side.
     pub normal: Vec3,
     /// Bounce, 0 for a primary VPL of an area light or environment.
     pub bounce: u32,
@@ -82,7 +82,7 @@ impl VplManager {
                 parent: (address.parent != NONE).then_some(address.parent),
                 at_infinity: slot.is_at_infinity(),
                 position: surface.position,
-                normal: surface.normal,
+                normal: surface.geometric_normal,
                 flux: self.flux(index),
                 useful: slot.useful,
                 stale: address.light != NONE && !slot.fresh,
@@ -122,7 +122,8 @@ impl VplManager {
             return None;
         }
         let address = &self.assignment.addresses[index];
-        let WorldSurface { position, normal, .. } = stored.surface(world, address, &self.changes.emitters);
+        let WorldSurface { position, geometric_normal: normal, .. } =
+            stored.surface(world, address, &self.changes.emitters);
         let vpl = GpuVpl {
             position,
             slot,
