@@ -30,11 +30,6 @@ impl Renderer {
         }
         Ok(std::mem::take(&mut self.reports))
     }
-
-    /// The passes of a frame, in order.
-    pub fn pass_infos(&self) -> Vec<PassInfo> {
-        frame_passes(estimators::method(&self.resolved)).copied().collect()
-    }
 }
 
 /// The passes of a frame, in order.

@@ -50,11 +50,6 @@ impl Material {
         self.base_colour * mean(scene, self.base_colour_texture)
     }
 
-    /// Share of the light that it reflects at a point, averaged over all directions by the cosine: what a light path keeps.
-    pub fn albedo_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
-        self.bsdf_at(scene, at).mean_albedo()
-    }
-
     /// Radiance of the sides that emit at a point, W/m^2/sr.
     pub fn emission_at(&self, scene: &Scene, at: impl Into<Attributes>) -> Vec3 {
         if !self.is_emissive() {

@@ -146,7 +146,7 @@ fn dissolve_and_alpha_cut_surfaces_away() {
     assert!(opaque(2, 0.9, 0.1) && !opaque(2, 0.1, 0.9));
     // Texels count by their opacity, so that with another map the same image is another texture.
     assert_eq!(scene.textures.len(), 2);
-    let albedo = scene.materials[1].albedo_at(&scene, Vec2::new(0.25, 0.5));
+    let albedo = scene.materials[1].bsdf_at(&scene, Vec2::new(0.25, 0.5)).mean_albedo();
     assert!((albedo.y - 0.578).abs() < 2e-3, "{albedo}");
 }
 
@@ -178,6 +178,6 @@ fn albedo_is_the_product_of_colour_and_texture() {
         base_colour_texture: Some(0.into()),
         ..Material::lambertian("m", Vec3::new(1.0, 0.5, 0.0))
     };
-    let albedo = material.albedo_at(&scene, Vec2::new(7.3, -2.0));
+    let albedo = material.bsdf_at(&scene, Vec2::new(7.3, -2.0)).mean_albedo();
     assert!(albedo.distance(Vec3::new(0.503, 0.2515, 0.0)) < 1e-3, "{albedo}");
 }

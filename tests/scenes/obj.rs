@@ -74,7 +74,7 @@ fn vertices_have_colours() {
         let point = glowworm::scene::SurfacePoint { triangle: 0, barycentrics: Vec2::splat(0.3) };
         let surface = scene.meshes[0].interpolate(point);
         let material = &scene.materials[scene.meshes[0].triangle_materials[0] as usize];
-        let albedo = material.albedo_at(&scene, surface.attributes);
+        let albedo = material.bsdf_at(&scene, surface.attributes).mean_albedo();
         assert!(albedo.distance(expected) < 5e-3, "{colours:?}: {albedo}");
     }
     // Where only some have one, the others are white.
@@ -103,7 +103,7 @@ fn options_lay_maps_on_the_surface() {
         let scene = folder.load("m.obj").unwrap();
         let material = scene.materials.iter().find(|material| material.name == "a").unwrap();
         // Texture coordinates of an OBJ count from the bottom.
-        let albedo = material.albedo_at(&scene, Vec2::new(at.x, 1.0 - at.y));
+        let albedo = material.bsdf_at(&scene, Vec2::new(at.x, 1.0 - at.y)).mean_albedo();
         assert!(albedo.distance(Vec3::new(red, 0.0, blue)) < 0.02, "{map}: {albedo}");
         let told = scene.warnings.iter().any(|warning| warning.contains("-mm (range of a map)"));
         assert_eq!(told, map.contains("-mm"), "{:?}", scene.warnings);
