@@ -133,6 +133,7 @@ fn load_bare_obj(path: &Path, seen_by: &CameraOverride) -> Result<Scene, SceneEr
     let name = scene.name.clone();
     scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);
-    default_view::add_default_camera_and_light(&mut scene, None, seen_by);
+    default_view::add_default_camera_and_light(&mut scene, None, seen_by)
+        .map_err(|why| SceneError::invalid(path, None, why))?;
     Ok(scene)
 }

@@ -1,6 +1,6 @@
 //! What nodes of glTF files place: incomplete files, buffers, animation.
 
-use glam::Affine3A;
+use glam::{Affine3A, Quat};
 use glowworm::formats::{LoadOptions, load_scene_with};
 use glowworm::scene::{LightKind, SpotFalloff};
 use serde_json::{Value, json};
@@ -121,6 +121,23 @@ const INCOMPLETE: &[(&str, Change, &str)] = &[
         "a later scene",
         |d, _| (d["scenes"] = json!([{}, { "nodes": [0] }]), d["scene"] = json!(1)).1,
         "scenes",
+    ),
+    (
+        "an extension that nobody knows and no shape needs",
+        |d, _| {
+            d["extensionsRequired"] = json!(["EXT_unheard_of"]);
+            d["materials"] = json!([{ "extensions": { "EXT_unheard_of": {} } }]);
+        },
+        "extension EXT_unheard_of",
+    ),
+    (
+        "keys whose times fall",
+        |d, b| {
+            add_accessor(d, b, &[1.0, 0.0], "SCALAR", 2);
+            add_accessor(d, b, &[0.0, 0.0, 0.0, 3.0, 0.0, 0.0], "VEC3", 2);
+            d["animations"] = channel(json!({ "node": 0, "path": "translation" }));
+        },
+        "rising times",
     ),
     (
         "an extension that is ignored",
@@ -267,6 +284,46 @@ fn nodes_move_as_their_channels_say() {
                 "{path} {interpolation} at {time}: {found} instead of {place}"
             );
             assert!(transform.inverse().is_finite(), "{path} {interpolation} at {time}");
+        }
+    }
+}
+
+/// A light and a camera turn by 40 degrees about y below a node that mirrors and stretches, which changes where they look.
+#[test]
+fn lights_and_cameras_move_with_all_that_nodes_above_them_do() {
+    let half = 20f32.to_radians();
+    for scale in [Vec3::ONE, Vec3::new(-1.0, 1.0, 1.0), Vec3::new(3.0, 1.0, 1.0), Vec3::new(1.0, -2.0, -0.5)]
+    {
+        let (mut d, mut b) = (document(), buffer());
+        let input = add_accessor(&mut d, &mut b, &[0.0, 1.0], "SCALAR", 2);
+        let turns = [0.0, 0.0, 0.0, 1.0, 0.0, half.sin(), 0.0, half.cos()];
+        let output = add_accessor(&mut d, &mut b, &turns, "VEC4", 2);
+        d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        d["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "directional" }] } });
+        d["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }]);
+        d["nodes"] = json!([
+            { "mesh": 0 },
+            { "children": [2], "scale": scale.to_array() },
+            { "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } }
+        ]);
+        d["scenes"][0]["nodes"] = json!([0, 1]);
+        d["animations"] = json!([{
+            "samplers": [{ "input": input, "output": output }],
+            "channels": [{ "sampler": 0, "target": { "node": 2, "path": "rotation" } }]
+        }]);
+        let scene = load_glb(&d, &b);
+        for time in [0.0, 0.4, 0.99f32] {
+            let turn = Quat::from_rotation_y(time * 2.0 * half);
+            let expected = (scale * (turn * Vec3::NEG_Z)).normalize();
+            let pose = scene.pose(f64::from(time));
+            let up = pose.camera.up.normalize();
+            assert!(
+                pose.lights[0].direction.distance(expected) < 1e-3,
+                "{scale}: {}",
+                pose.lights[0].direction
+            );
+            assert!(pose.camera.forward().distance(expected) < 1e-3, "{scale}: {}", pose.camera.forward());
+            assert!(up.distance(Vec3::Y * scale.y.signum()) < 1e-3, "{scale}: {up}");
         }
     }
 }

@@ -15,6 +15,9 @@ use crate::builtin;
 use crate::scene::{BoundingSphere, Camera, CameraOverride, Light, LightKind, Scene};
 use survey::ModelSurvey;
 
+/// Least radius of a model: squares of lengths in smaller ones are zero.
+const LEAST_RADIUS: f32 = 1e-15;
+
 /// Direction from the model's centre to the camera: in front, slightly to the right and above.
 const VIEW: Vec3 = Vec3::new(0.45, 0.35, 1.0);
 
@@ -34,17 +37,23 @@ const MIN_LIT_FRACTION: f32 = 0.5;
 /// Fraction of the directions above the visible surface that must lead to the sky, so that it is the light.
 const MIN_OPEN_FRACTION: f32 = 0.3;
 
-/// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) or `seen_by` an eye point,
-/// and a light unless its own light what is seen.
+/// Places a camera unless the file has one (`given`; its far plane is fitted if it has none) or `seen_by` an eye point,
+/// and a light unless its own light what is seen. The error completes a sentence about the file.
 pub(crate) fn add_default_camera_and_light(
     scene: &mut Scene,
     given: Option<Camera>,
     seen_by: &CameraOverride,
-) {
+) -> Result<(), String> {
+    let radius = bounds_of(scene).radius;
+    if radius < LEAST_RADIUS {
+        return Err(format!("has hardly any extent (its radius is {radius:e}); scale the model up"));
+    }
     match given {
         Some(mut camera) => {
             if camera.far <= camera.near {
+                let near = camera.near;
                 camera.fit_depths(&bounds_of(scene), 0.0);
+                (camera.near, camera.far) = (near, camera.far.max(2.0 * near));
             }
             scene.camera = camera;
         }
@@ -77,6 +86,7 @@ pub(crate) fn add_default_camera_and_light(
     } else if !lit {
         add_sky(scene);
     }
+    Ok(())
 }
 
 fn bounds_of(scene: &Scene) -> BoundingSphere {

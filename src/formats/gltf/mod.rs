@@ -104,7 +104,8 @@ fn load_unguarded(
         scene.camera_animation = animation;
         found
     });
-    default_view::add_default_camera_and_light(&mut scene, placed_camera, seen_by);
+    default_view::add_default_camera_and_light(&mut scene, placed_camera, seen_by)
+        .map_err(|why| file.source.error(why))?;
     Ok(scene)
 }
 
