@@ -161,29 +161,17 @@ impl Reader {
         match keyword {
             "v" => self.add_position(line, rest),
             "vt" => {
-                let (count, uv, values) = numbers::<2>(rest);
-                self.text.extend(["vt ", uv[0], " ", uv[1], "\n"]);
-                self.end_vertex(
-                    1,
-                    line,
-                    match count {
-                        0 => Some(format!("\"{}\" needs 1 number", clip(&format!("vt {rest}")))),
-                        _ if !Vec2::from_array(values).is_finite() => {
-                            Some("texture coordinate is not finite".to_owned())
-                        }
-                        _ => None,
-                    },
-                );
+                let (count, [u, v], values) = numbers::<2>(rest);
+                self.text.extend(["vt ", u, " ", v, "\n"]);
+                let is_usable = count > 0 && Vec2::from_array(values).is_finite();
+                let fault = (!is_usable).then(|| "texture coordinate is not finite".to_owned());
+                self.end_vertex(1, line, fault);
             }
             "vn" => {
-                // Others count as missing.
+                // What is no normal counts as missing.
                 let (count, [x, y, z], _) = numbers::<3>(rest);
-                let normal = if count == 3 {
-                    ["vn ", x, " ", y, " ", z, "\n"]
-                } else {
-                    ["vn 0 0 0\n", "", "", "", "", "", ""]
-                };
-                self.text.extend(normal);
+                let [x, y, z] = if count == 3 { [x, y, z] } else { ["0"; 3] };
+                self.text.extend(["vn ", x, " ", y, " ", z, "\n"]);
                 self.end_vertex(2, line, None);
             }
             "f" | "fo" => return self.add_face(line, rest),
