@@ -62,7 +62,7 @@ struct Shrunk {
 impl Shrunk {
     /// For a file of this size.
     fn new(width: usize, height: usize) -> Result<Self, String> {
-        check_extent([width, height])?;
+        check_extent([width, height], 2)?;
         let size = [width.min(MAX_SIZE[0]), height.min(MAX_SIZE[1])];
         let texels = vec![Vec3::ZERO; size[0] * size[1]];
         let columns = (0..width).map(|x| shares(x, width, size[0])).collect();
@@ -99,11 +99,11 @@ impl Shrunk {
     }
 }
 
-fn check_extent([width, height]: [usize; 2]) -> Result<(), String> {
-    if (2..=MAX_EXTENT).contains(&width) && (2..=MAX_EXTENT).contains(&height) {
+fn check_extent([width, height]: [usize; 2], least: usize) -> Result<(), String> {
+    if (least..=MAX_EXTENT).contains(&width) && (least..=MAX_EXTENT).contains(&height) {
         return Ok(());
     }
-    Err(format!("it is {width} x {height}, must be 2 x 2 to {MAX_EXTENT} x {MAX_EXTENT}"))
+    Err(format!("it is {width} x {height}, must be {least} x {least} to {MAX_EXTENT} x {MAX_EXTENT}"))
 }
 
 /// A texel of a smaller row, and the share that one of a larger has in its mean.
@@ -124,7 +124,7 @@ fn read_exr(mut file: File) -> Result<Shrunk, String> {
     let layout = exr_images::Layout::read(BufReader::new(&file))?;
     rewind(&mut file)?;
     let [width, height] = layout.size;
-    check_extent(layout.data_size)?;
+    check_extent(layout.data_size, 1)?;
     // Texels of a size that is refused are dropped.
     let create = move || Shrunk::new(width, height);
     let add = |map: &mut Result<Shrunk, String>, [x, y]: [usize; 2], [r, g, b, _]: [f32; 4]| {

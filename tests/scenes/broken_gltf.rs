@@ -85,9 +85,9 @@ fn images_that_cannot_be_read_become_checkerboards() {
         ("gone.png", &["gone.png", "cannot be read"][..]),
         ("../x.png", &["../x.png", "out of the folder"]),
         (&data_uri(b"not an image"), &["decoded"]),
-        (&lying(60_000), &["60000"]),
+        (&lying(60_000), &["decoded"]),
         (&lying(40), &["decoded"]),
-        (&lying(2_000_000_000), &[]),
+        (&lying(2_000_000_000), &["decoded"]),
         (&ktx, &["KTX", "PNG"]),
         ("data:image/png;base64,%%%", &["base64"]),
     ] {

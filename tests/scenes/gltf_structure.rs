@@ -312,6 +312,8 @@ fn lights_and_cameras_move_with_all_that_nodes_above_them_do() {
             "channels": [{ "sampler": 0, "target": { "node": 2, "path": "rotation" } }]
         }]);
         let scene = load_glb(&d, &b);
+        // Without a far plane the near one stays.
+        assert!(scene.camera.near == 0.1 && scene.camera.far >= 0.2);
         for time in [0.0, 0.4, 0.99f32] {
             let turn = Quat::from_rotation_y(time * 2.0 * half);
             let expected = (scale * (turn * Vec3::NEG_Z)).normalize();

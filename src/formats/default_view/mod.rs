@@ -101,10 +101,17 @@ fn place_inside(scene: &mut Scene, mut camera: Camera, nearest: Option<f32>) {
 }
 
 fn warn_of_camera(scene: &mut Scene, place: &str) {
+    let (eye, target) = (scene.camera.eye, scene.camera.target);
+    let digits = decimals(bounds_of(scene).radius);
     scene.warnings.push(format!(
-        "{}: no camera given; placed one {place} at {:.3} that looks at {:.3}",
-        scene.name, scene.camera.eye, scene.camera.target
+        "{}: no camera given; placed one {place} at {eye:.digits$} that looks at {target:.digits$}",
+        scene.name
     ));
+}
+
+/// Decimals of which numbers of this size have about four digits, whatever the unit of the model.
+fn decimals(size: f32) -> usize {
+    (3.0 - size.log10().floor()).clamp(0.0, 20.0) as usize
 }
 
 /// Places the camera in front of the scene, with a warning.
@@ -151,7 +158,9 @@ fn add_light(scene: &mut Scene, position: Vec3, intensity: f32) {
     };
     // First, as lights of a scene file come before those of emissive materials.
     scene.lights.insert(0, light);
-    scene
-        .warnings
-        .push(format!("{}: {why}; placed a point light of {intensity:.3} W/sr at {position:.3}", scene.name));
+    let [digits, places] = [intensity, bounds_of(scene).radius].map(decimals);
+    scene.warnings.push(format!(
+        "{}: {why}; placed a point light of {intensity:.digits$} W/sr at {position:.places$}",
+        scene.name
+    ));
 }
