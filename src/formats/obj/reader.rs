@@ -272,7 +272,8 @@ impl Reader {
                 return Err(fault.clone());
             }
             let (mark, first) = if list == 0 { (' ', 1) } else { ('/', 2) };
-            _ = write!(self.text, "{mark}{}", place + first);
+            self.text.push(mark);
+            self.text += itoa::Buffer::new().format(place + first);
         }
         Ok(())
     }
