@@ -82,6 +82,7 @@ pub(crate) fn wrong_format(bytes: &[u8]) -> Option<&'static str> {
         [b'P', b'K', 3, 4, ..] => "is a ZIP archive; extract it first",
         [0x1f, 0x8b, ..] => "is compressed by gzip; extract it first",
         [b'7', b'z', 0xbc, 0xaf, ..] => "is a 7z archive; extract it first",
+        [0xab, b'K', b'T', b'X', b' ', ..] => "is a KTX texture, which is not read; save it as PNG or JPEG",
         _ if bytes.starts_with(b"Kaydara FBX Binary") => "is FBX; convert it to glTF",
         _ if bytes.starts_with(b"BLENDER") => "is a Blender file; export it as glTF",
         _ if bytes.iter().all(|&byte| byte == 0) => "has nothing but zeros; download or export it again",

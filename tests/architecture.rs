@@ -38,7 +38,7 @@ fn below(folder: &Path) -> (BTreeSet<PathBuf>, Vec<PathBuf>) {
 #[test]
 fn the_map_names_every_folder_and_nothing_else() {
     let named = named();
-    let folders: BTreeSet<PathBuf> = ["src", "shaders", "tests", "benches", "scenes", "scripts", "docs"]
+    let folders: BTreeSet<PathBuf> = ["src", "shaders", "tests", "scenes", "scripts", "docs"]
         .into_iter()
         .flat_map(|folder| below(Path::new(folder)).0)
         .filter(|folder| !folder.ends_with("__pycache__"))
@@ -51,7 +51,7 @@ fn the_map_names_every_folder_and_nothing_else() {
 
 #[test]
 fn every_source_file_says_what_it_is_for() {
-    for file in ["src", "shaders", "tests", "benches"].iter().flat_map(|folder| below(Path::new(folder)).1) {
+    for file in ["src", "shaders", "tests"].iter().flat_map(|folder| below(Path::new(folder)).1) {
         let ending = file.extension().and_then(|ending| ending.to_str()).unwrap_or("");
         let Some((_, comment)) = SOURCE.iter().find(|(source, _)| *source == ending) else { continue };
         let text = fs::read_to_string(&file).unwrap();

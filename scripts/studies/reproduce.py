@@ -8,7 +8,7 @@ import time
 
 from . import page, reproduce_scenes
 from .program import Failed, Program, parser, progress, read_json, write_json
-from .reproduce_claims import CLAIMS
+from .reproduce_path_claims import CLAIMS
 
 # Scenes whose frames take long.
 LARGE = ["atrium", "atrium-drapery", "cathedral", "meeting-room", "flight", "playroom"]

@@ -4,12 +4,12 @@
 //! is the mean over its area in the file; and what was changed.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use glam::Vec3;
 
+use super::exr_images;
 use crate::scene::EnvironmentMap;
 use crate::untrusted::{guarded, wrong_format};
 
@@ -40,7 +40,7 @@ pub(crate) fn read(file: &Path) -> Result<MapRead, String> {
     let shrunk = if start.starts_with(b"#?") {
         read_hdr(&mut reader)
     } else if start.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        guarded(|| read_exr(reader)).and_then(|read| read)
+        guarded(|| read_exr(reader.into_inner())).and_then(|read| read)
     } else {
         Err("it is neither an .hdr nor an .exr".to_owned())
     };
@@ -62,9 +62,7 @@ struct Shrunk {
 impl Shrunk {
     /// For a file of this size.
     fn new(width: usize, height: usize) -> Result<Self, String> {
-        if !(2..=MAX_EXTENT).contains(&width) || !(2..=MAX_EXTENT).contains(&height) {
-            return Err(format!("it is {width} x {height}, must be 2 x 2 to {MAX_EXTENT} x {MAX_EXTENT}"));
-        }
+        check_extent([width, height], 2)?;
         let size = [width.min(MAX_SIZE[0]), height.min(MAX_SIZE[1])];
         let texels = vec![Vec3::ZERO; size[0] * size[1]];
         let columns = (0..width).map(|x| shares(x, width, size[0])).collect();
@@ -101,6 +99,13 @@ impl Shrunk {
     }
 }
 
+fn check_extent([width, height]: [usize; 2], least: usize) -> Result<(), String> {
+    if (least..=MAX_EXTENT).contains(&width) && (least..=MAX_EXTENT).contains(&height) {
+        return Ok(());
+    }
+    Err(format!("it is {width} x {height}, must be {least} x {least} to {MAX_EXTENT} x {MAX_EXTENT}"))
+}
+
 /// A texel of a smaller row, and the share that one of a larger has in its mean.
 type Share = (usize, f32);
 
@@ -113,23 +118,26 @@ fn shares(i: usize, from: usize, to: usize) -> [Share; 2] {
     [(first, (end.min(edge) - start) as f32), ((first + 1).min(to - 1), (end - edge).max(0.0) as f32)]
 }
 
-fn read_exr(reader: BufReader<File>) -> Result<Shrunk, String> {
-    // A texel beyond the size that was refused is dropped.
-    let create = |size: Vec2<usize>, _: &_| Shrunk::new(size.x(), size.y());
-    let add = |map: &mut Result<Shrunk, String>, at: Vec2<usize>, (r, g, b): (f32, f32, f32)| {
+fn read_exr(mut file: File) -> Result<Shrunk, String> {
+    let rewind = |file: &mut File| file.rewind().map_err(|error| error.to_string());
+    rewind(&mut file)?;
+    let layout = exr_images::Layout::read(BufReader::new(&file))?;
+    rewind(&mut file)?;
+    let [width, height] = layout.size;
+    check_extent(layout.data_size, 1)?;
+    // Texels of a size that is refused are dropped.
+    let create = move || Shrunk::new(width, height);
+    let add = |map: &mut Result<Shrunk, String>, [x, y]: [usize; 2], [r, g, b, _]: [f32; 4]| {
         if let Ok(map) = map {
-            map.add(at.x(), at.y(), Vec3::new(r, g, b));
+            map.add(x, y, Vec3::new(r, g, b));
         }
     };
-    let read = exr::prelude::read().no_deep_data().largest_resolution_level();
-    let read = read.rgb_channels(create, add).first_valid_layer().all_attributes().non_parallel();
-    let image = read.from_buffered(reader).map_err(|error| error.to_string())?;
-    image.layer_data.channel_data.pixels
+    layout.texels(BufReader::new(file), create, add)?
 }
 
 /// Reads RGBE rows (Ward 1991), which may be run-length encoded in either of two ways.
 fn read_hdr(reader: &mut impl BufRead) -> Result<Shrunk, String> {
-    let [width, height] = hdr_size(reader)?;
+    let ([width, height], multiplier) = hdr_header(reader)?;
     let mut map = Shrunk::new(width, height)?;
     let mut row = vec![[0u8; 4]; width];
     for y in 0..height {
@@ -138,7 +146,7 @@ fn read_hdr(reader: &mut impl BufRead) -> Result<Shrunk, String> {
         for (x, &texel) in row.iter().enumerate() {
             // Rows of equal texels are common.
             if texel != last.0 {
-                last = (texel, colour_of(texel));
+                last = (texel, colour_of(texel) / multiplier);
             }
             map.add(x, y, last.1);
         }
@@ -155,8 +163,8 @@ fn colour_of([r, g, b, exponent]: [u8; 4]) -> Vec3 {
     Vec3::from_array([r, g, b].map(f32::from)) * scale
 }
 
-/// Reads the header to its end: the size.
-fn hdr_size(reader: &mut impl BufRead) -> Result<[usize; 2], String> {
+/// Reads the header to its end: the size, and what radiance has been multiplied by (EXPOSURE and COLORCORR).
+fn hdr_header(reader: &mut impl BufRead) -> Result<([usize; 2], Vec3), String> {
     let mut next_line = || {
         let mut line = Vec::new();
         let read = reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut line);
@@ -166,22 +174,33 @@ fn hdr_size(reader: &mut impl BufRead) -> Result<[usize; 2], String> {
             _ => Err("its header has no end".to_owned()),
         }
     };
+    let mut multiplier = Vec3::ONE;
     loop {
         let line = next_line()?;
         if line.is_empty() {
             break;
         }
-        if let Some(format) = line.strip_prefix("FORMAT=")
-            && format != "32-bit_rle_rgbe"
-        {
-            return Err(format!("its format is {format}, must be 32-bit_rle_rgbe"));
+        let Some((key, value)) = line.split_once('=') else { continue };
+        let numbers: Vec<f32> = value.split_whitespace().map_while(|word| word.parse().ok()).collect();
+        // Several lines of a key all count.
+        multiplier *= match (key, &numbers[..]) {
+            ("FORMAT", _) if value.trim() != "32-bit_rle_rgbe" => {
+                return Err(format!("its format is {value}, must be 32-bit_rle_rgbe"));
+            }
+            ("EXPOSURE", &[factor]) => Vec3::splat(factor),
+            ("COLORCORR", &[r, g, b]) => Vec3::new(r, g, b),
+            ("EXPOSURE" | "COLORCORR", _) => Vec3::ZERO,
+            _ => Vec3::ONE,
+        };
+        if !(multiplier.is_finite() && multiplier.min_element() > 0.0) {
+            return Err(format!("its header says {line}, which must be positive numbers"));
         }
     }
     let line = next_line()?;
     let words: Vec<&str> = line.split_whitespace().collect();
     match words[..] {
         ["-Y", height, "+X", width] => match (width.parse(), height.parse()) {
-            (Ok(width), Ok(height)) => Ok([width, height]),
+            (Ok(width), Ok(height)) => Ok(([width, height], multiplier)),
             _ => Err(format!("its size is \"{line}\"")),
         },
         _ => Err(format!("its size is \"{line}\", must be -Y height +X width")),
@@ -295,6 +314,25 @@ mod tests {
             [&[1, 1, 1, 4][..], &[9, 9, 9, 9, 1, 1, 1, 200], &[2, 2, 0, 10, 200, 1], &[2, 2, 0, 10, 0]]
         {
             assert!(read_row(&mut &broken[..], &mut [[0; 4]; 10]).is_err(), "{broken:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_header_multiplied_by_is_divided_out() {
+        let header = |lines: &str| hdr_header(&mut format!("#?RADIANCE\n{lines}\n-Y 2 +X 3\n").as_bytes());
+        for (lines, expected) in [
+            ("", Vec3::ONE),
+            ("FORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n", Vec3::splat(2.0)),
+            ("EXPOSURE= 4.0e0\n# a comment\nEXPOSURE=.5\n", Vec3::splat(2.0)),
+            ("EXPOSURE=2\nCOLORCORR=1 2 0.5\n", Vec3::new(2.0, 4.0, 1.0)),
+            ("\tEXPOSURE=7\n", Vec3::ONE),
+        ] {
+            assert_eq!(header(lines), Ok(([3, 2], expected)), "{lines}");
+        }
+        for lines in
+            ["EXPOSURE=0\n", "EXPOSURE=-1\n", "EXPOSURE=x\n", "COLORCORR=1 2\n", "FORMAT=32-bit_rle_xyze\n"]
+        {
+            assert!(header(lines).is_err(), "{lines}");
         }
     }
 

@@ -5,10 +5,10 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use exr::prelude::{ReadChannels, ReadLayers, Vec2};
 use glam::Vec4;
 use image::{DynamicImage, ImageFormat, Rgba32FImage};
 
+use super::exr_images;
 use crate::activity;
 use crate::scene::texture::{srgb_decoded, surplus_levels};
 use crate::scene::{AlphaMask, Texture};
@@ -49,6 +49,12 @@ pub(crate) fn decode_image(bytes: &[u8], format: Option<ImageFormat>) -> Result<
     guarded(|| decode_format(bytes, format))?
 }
 
+/// What is shown in place of an image that cannot be read, as [`Texture::missing`].
+pub(crate) fn checkerboard() -> DynamicImage {
+    let texel = |x, y| image::Rgb(if (x + y) % 2 == 0 { [255, 0, 255] } else { [0; 3] });
+    DynamicImage::ImageRgb8(image::RgbImage::from_fn(8, 8, texel))
+}
+
 fn decode_format(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, String> {
     let undecodable = |error: image::ImageError| format!("could not be decoded ({error})");
     if format == ImageFormat::OpenExr {
@@ -66,19 +72,18 @@ fn decode_format(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, Stri
 
 /// The crate `image` would decode on threads of its own, of which a panic ends the program.
 fn decode_exr(bytes: &[u8]) -> Result<DynamicImage, String> {
-    let undecodable = |error: exr::error::Error| format!("could not be decoded ({error})");
-    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(undecodable)?;
-    for header in &meta.headers {
-        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64, bytes)?;
+    let undecodable = |error: String| format!("could not be decoded ({error})");
+    let layout = exr_images::Layout::read(bytes).map_err(undecodable)?;
+    for [width, height] in [layout.size, layout.data_size] {
+        check_size(width as u64, height as u64, bytes)?;
     }
-    let create = |size: Vec2<usize>, _: &_| Rgba32FImage::new(size.width() as u32, size.height() as u32);
-    let set = |image: &mut Rgba32FImage, at: Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
-        image.put_pixel(at.x() as u32, at.y() as u32, image::Rgba([r, g, b, a]));
+    let [width, height] = layout.size.map(|extent| extent as u32);
+    let create = move || Rgba32FImage::new(width, height);
+    let set = |image: &mut Rgba32FImage, [x, y]: [usize; 2], texel| {
+        image.put_pixel(x as u32, y as u32, image::Rgba(texel));
     };
-    let read = exr::prelude::read().no_deep_data().largest_resolution_level().rgba_channels(create, set);
-    let read = read.first_valid_layer().all_attributes().non_parallel();
-    let decoded = read.from_buffered(Cursor::new(bytes)).map_err(undecodable)?;
-    Ok(DynamicImage::ImageRgba32F(decoded.layer_data.channel_data.pixels))
+    let image = layout.texels(Cursor::new(bytes), create, set).map_err(undecodable)?;
+    Ok(DynamicImage::ImageRgba32F(image))
 }
 
 /// Checks the size before memory is taken, since a malformed file may claim any.

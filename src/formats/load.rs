@@ -54,7 +54,9 @@ pub(crate) fn load_with(
     let begun = Instant::now();
     activity::begin(format!("reading {name}"));
     let mut scene = match find(name)? {
-        Source::Model(path) if gltf::is_gltf(&path) => guarded(&path, || gltf::load(&path, options))?,
+        Source::Model(path) if gltf::is_gltf(&path) => {
+            gltf::load(&path, options.animation.as_deref(), &options.seen_by)?
+        }
         _ if options.animation.is_some() => {
             let problem = "only glTF files have animations to choose from; leave --animation out";
             return Err(SceneError::invalid(Path::new(name), None, problem));
@@ -68,12 +70,6 @@ pub(crate) fn load_with(
     let load_ms = begun.elapsed().as_secs_f64() * 1e3;
     log::info!("{}: loaded {meshes} meshes and {textures} textures in {load_ms:.0} ms", scene.name);
     Ok(scene)
-}
-
-/// Reads a model by the crate `gltf`, whose panic is an error of the file.
-pub(super) fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneError> {
-    let invalid = |why| SceneError::invalid(file, None, format!("{why}; export or download it again"));
-    untrusted::guarded(read).map_err(invalid)?
 }
 
 /// Source of a scene.
@@ -137,6 +133,7 @@ fn load_bare_obj(path: &Path, seen_by: &CameraOverride) -> Result<Scene, SceneEr
     let name = scene.name.clone();
     scene.instances.push(Instance::fixed(&name, mesh, Affine3A::IDENTITY));
     scene.add_area_light(0);
-    default_view::add_default_camera_and_light(&mut scene, None, seen_by);
+    default_view::add_default_camera_and_light(&mut scene, None, seen_by)
+        .map_err(|why| SceneError::invalid(path, None, why))?;
     Ok(scene)
 }

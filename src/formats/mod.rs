@@ -7,6 +7,7 @@ mod default_view;
 mod document;
 mod environment_map;
 mod error;
+mod exr_images;
 mod gltf;
 mod images;
 mod load;

@@ -4,7 +4,7 @@
 //! Positions follow a cubic Hermite spline with Catmull-Rom tangents (Catmull and Rom 1974, for
 //! unevenly spaced keys), rotations are interpolated by slerp.
 
-use glam::{Affine3A, Mat3A, Quat, Vec3};
+use glam::{Affine3A, Mat3A, Quat, Vec3, Vec3A};
 
 /// The motion of a camera, light or instance, relative to its rest pose. Both parts may be present.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +32,7 @@ pub struct Keyframe {
     pub translation: Vec3,
     /// Rotation applied about the object's own origin.
     pub rotation: Quat,
-    /// How an instance is scaled and sheared about its own origin before the rotation.
+    /// How an object is scaled and sheared about its own origin before the rotation.
     pub stretch: Mat3A,
 }
 
@@ -54,7 +54,7 @@ pub struct Motion {
     pub rotation: Quat,
     /// Position of its origin, world space.
     pub position: Vec3,
-    /// Scale and shear of an instance, before the rotation.
+    /// Scale and shear, before the rotation.
     pub stretch: Mat3A,
 }
 
@@ -74,6 +74,13 @@ pub fn invertible(matrix: Mat3A, like: Mat3A) -> Mat3A {
 }
 
 impl Motion {
+    /// A direction that turns and stretches along with the object; where that leaves nothing of it, it turns alone.
+    pub fn turn(&self, direction: Vec3) -> Vec3 {
+        let stretched = Vec3::from(self.stretch * Vec3A::from(direction));
+        let is_left = stretched.length() > LEAST_SCALE * direction.length();
+        self.rotation * if is_left { stretched } else { direction }
+    }
+
     /// Object to world of an object with rest transform `rest`.
     pub fn transform(&self, rest: &Affine3A) -> Affine3A {
         let rotation = Mat3A::from_quat(self.rotation);

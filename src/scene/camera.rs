@@ -1,10 +1,13 @@
 //! A pinhole camera.
 
-use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
+use glam::{Mat3A, Mat4, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::animation::Motion;
 use super::bounds::BoundingSphere;
+
+/// Least sine of the angle between view direction and up vector.
+const LEAST_SINE: f32 = 1e-4;
 
 /// A pinhole camera. Right-handed world space, y up; the renderer derives its own reversed depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,14 +46,18 @@ impl Camera {
         }
     }
 
-    /// This camera moved by `motion`.
+    /// This camera moved by `motion`. A motion that stretches view direction and up vector onto one line only turns them.
     pub fn moved(&self, motion: &Motion) -> Self {
-        let target = if motion.rotation == Quat::IDENTITY {
-            self.target + (motion.position - self.eye)
-        } else {
-            motion.position + motion.rotation * (self.target - self.eye)
-        };
-        Self { eye: motion.position, target, up: motion.rotation * self.up, ..*self }
+        let eye = motion.position;
+        let way = self.target - self.eye;
+        let [forward, up] = [way, self.up].map(|direction| motion.turn(direction));
+        if (motion.rotation, motion.stretch) == (Quat::IDENTITY, Mat3A::IDENTITY) {
+            return Self { eye, target: self.target + (eye - self.eye), ..*self };
+        }
+        if forward.normalize_or_zero().cross(up.normalize_or_zero()).length() < LEAST_SINE {
+            return Self { eye, target: eye + motion.rotation * way, up: motion.rotation * self.up, ..*self };
+        }
+        Self { eye, target: eye + forward, up, ..*self }
     }
 
     /// Sets `near` and `far` so that `bounds` is in their range from any eye point within `reach` of this one.

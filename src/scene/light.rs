@@ -161,7 +161,7 @@ impl Light {
         if let Some(animation) = &self.animation {
             let motion = animation.motion(time, self.position);
             light.position = motion.position;
-            light.direction = (motion.rotation * self.direction).normalize_or(self.direction);
+            light.direction = motion.turn(self.direction).normalize_or(self.direction);
         }
         light
     }

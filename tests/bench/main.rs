@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
 mod against;
+mod bad_datasets;
 mod command;
 mod dataset;
 mod denoise;

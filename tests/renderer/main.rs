@@ -23,6 +23,7 @@ mod materials;
 mod memory;
 mod mirrors;
 mod motion;
+mod moving_reflections;
 mod normal_maps;
 mod overlay;
 mod paths;

@@ -128,6 +128,11 @@ fn objects_are_seen_from_outside_at_any_scale() {
             assert!(scene.lights.is_empty() && scene.environment.is_some(), "{what} at {scale}");
             let (bright, tones) = lit(&scene);
             assert!(bright > 0.9 && tones >= 3, "{what} at {scale}: {bright}, {tones} tones");
+            // The warning tells the place in any unit.
+            let told = scene.warnings[0].split(['[', ']']).nth(1).unwrap();
+            let told: Vec<f32> = told.split(", ").map(|number| number.parse().unwrap()).collect();
+            let off = Vec3::from_slice(&told).distance(scene.camera.eye);
+            assert!(off < 1e-3 * scene.camera.eye.length(), "{}", scene.warnings[0]);
         }
     }
 }

@@ -70,25 +70,47 @@ fn files_that_are_named_must_be_there_and_inside() {
     ] {
         broken(|d, _| d["buffers"][0]["uri"] = json!(uri), parts);
     }
-    let with_image = |uri: &str| {
-        let uri = uri.to_owned();
-        move |d: &mut Value, _: &mut Vec<u8>| {
-            d["images"] = json!([{ "uri": uri }]);
-            d["textures"] = json!([{ "source": 0 }]);
-            d["materials"] = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
-        }
+}
+
+#[test]
+fn images_that_cannot_be_read_become_checkerboards() {
+    // A picture of 2 texels that says that it is wider.
+    let lying = |width: u32| {
+        let mut liar = png(&[[255; 4], [0; 4]]);
+        liar[16..20].copy_from_slice(&width.to_be_bytes());
+        data_uri(&liar)
     };
-    broken(with_image("gone.png"), &["image 0", "gone.png"]);
-    broken(with_image("../x.png"), &["image 0", "out of the folder"]);
-    broken(with_image(&data_uri(b"not an image")), &["image 0", "decoded"]);
-    // A picture of 2 texels that says that it is 60,000 wide.
-    let mut liar = png(&[[255; 4], [0; 4]]);
-    liar[16..20].copy_from_slice(&60_000u32.to_be_bytes());
-    broken(with_image(&data_uri(&liar)), &["image 0"]);
-    // One that says that it is a little wider.
-    let mut liar = png(&[[255; 4], [0; 4]]);
-    liar[16..20].copy_from_slice(&40u32.to_be_bytes());
-    broken(with_image(&data_uri(&liar)), &["image 0"]);
+    let ktx = data_uri(b"\xabKTX 20\xbb\r\n\x1a\n and so on");
+    for (uri, says) in [
+        ("gone.png", &["gone.png", "cannot be read"][..]),
+        ("../x.png", &["../x.png", "out of the folder"]),
+        (&data_uri(b"not an image"), &["decoded"]),
+        (&lying(60_000), &["decoded"]),
+        (&lying(40), &["decoded"]),
+        (&lying(2_000_000_000), &["decoded"]),
+        (&ktx, &["KTX", "PNG"]),
+        ("data:image/png;base64,%%%", &["base64"]),
+    ] {
+        let mut d = document();
+        d["images"] = json!([{ "uri": uri }]);
+        d["textures"] = json!([{ "source": 0 }]);
+        let map = json!({ "index": 0 });
+        d["materials"] =
+            json!([{ "pbrMetallicRoughness": { "baseColorTexture": map }, "normalTexture": map }]);
+        let scene = load_glb(&d, &buffer());
+        assert_eq!(scene.textures[0].levels[0].2[..4], [255, 0, 255, 255], "{uri}");
+        let told: Vec<_> = scene.warnings.iter().filter(|warning| warning.contains("image 0")).collect();
+        let all = |warning: &String| {
+            says.iter().chain(&["m.glb", "checkerboard"]).all(|part| warning.contains(part))
+        };
+        assert!(told.len() == 1 && all(told[0]), "{told:?}");
+        // Without a colour there is nothing to show.
+        d["materials"] = json!([{ "normalTexture": map }]);
+        let scene = load_glb(&d, &buffer());
+        assert!(
+            scene.textures.is_empty() && scene.warnings.iter().any(|warning| warning.contains("image 0"))
+        );
+    }
 }
 
 #[test]

@@ -20,6 +20,7 @@ fn broken_objs_name_the_line() {
         ("v 0 1\nf 1 2 4", &["bad.obj:4", "3 numbers"]),
         ("vt nan 0\nf 1/1 2/1 3/1", &["bad.obj:4", "texture coordinate"]),
         ("f 1 1 1", &["zero area"]),
+        ("v 1e-20 0 0\nv 0 1e-20 0\nf 1 4 5", &["bad.obj", "hardly any extent"]),
         ("l 1 2", &["no triangles"]),
         ("", &["no triangles"]),
     ] {
@@ -29,6 +30,25 @@ fn broken_objs_name_the_line() {
     expect_error("bad.obj", "hello\nworld\n", &["no triangles"]);
     expect_error("bad.obj", [0x89, b'P', b'N', b'G', 0, 1, 2, 3, 0xff, 0xfe], &["binary file"]);
     expect_error("bad.obj", [0xff; 100], &["no triangles"]);
+}
+
+/// What no face uses, or many exporters write.
+#[test]
+fn harmless_mistakes_are_passed_over() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    for rest in [
+        "v nan 0\nvt\nvn 1\nf 1 2 3",
+        "f 1//1 2//2 3//3",
+        "f 1/7 2/8 3/9",
+        "vn 0 0 1\nvn -nan(ind) 0 0\nf 1//1 2//2 3//1",
+        "v 0 0 1 2 3\nf 1 2 3 # a comment",
+        "vt 0.5\nf 1/1/ 2/1 3",
+    ] {
+        let scene = load_files(&[("m.obj", &format!("{vertices}{rest}\n"))]);
+        check_consistency(&scene);
+        let normals = &scene.meshes[0].normals;
+        assert!(normals.len() == 3 && normals.iter().all(|normal| normal.distance(Vec3::Z) < 1e-6), "{rest}");
+    }
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn edited_materials_and_environment_are_saved_and_loaded_again() {
     document.set_material(edit.clone()).unwrap();
     let strength = Some(2.0);
     let rotation_deg = Some(30.0);
-    let sky = EnvironmentEntry { strength, rotation_deg, ..EnvironmentEntry::of_map(map) };
+    let sky = EnvironmentEntry { map: Some(map), strength, rotation_deg, ..EnvironmentEntry::default() };
     document.set_environment(Some(sky)).unwrap();
     let saved = folder.path().join("saved.toml");
     std::fs::write(&saved, document.text()).unwrap();
@@ -115,8 +115,11 @@ fn an_edited_scene_is_built_without_reading_files_again() {
     assert_eq!(read.materials(), opened.materials);
 
     // A map is read once, and kept while its numbers change.
-    let at =
-        |strength| EnvironmentEntry { strength: Some(strength), ..EnvironmentEntry::of_map(map.clone()) };
+    let at = |strength| EnvironmentEntry {
+        map: Some(map.clone()),
+        strength: Some(strength),
+        ..EnvironmentEntry::default()
+    };
     document.set_environment(Some(at(1.0))).unwrap();
     let first = document.build(None, &mut read).unwrap().environment.unwrap();
     std::fs::remove_file(&map).unwrap();

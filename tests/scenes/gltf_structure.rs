@@ -1,6 +1,6 @@
-//! Nodes of glTF files: incomplete files, poses at rest, instances, animation.
+//! What nodes of glTF files place: incomplete files, buffers, animation.
 
-use glam::{Affine3A, Mat4, Quat};
+use glam::{Affine3A, Quat};
 use glowworm::formats::{LoadOptions, load_scene_with};
 use glowworm::scene::{LightKind, SpotFalloff};
 use serde_json::{Value, json};
@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 use super::gltf_files::{add_accessor, buffer, data_uri, document, glb, load_glb, png};
 use super::*;
 
-type Change = fn(&mut Value, &mut Vec<u8>);
+pub(super) type Change = fn(&mut Value, &mut Vec<u8>);
 
 /// The corners of all triangles in world space at `time`.
-fn corners(scene: &Scene, time: f64) -> Vec<Vec3> {
+pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Vec3> {
     let pose = scene.pose(time);
     let of = |(index, transform): (usize, &Affine3A)| {
         let mesh = &scene.meshes[scene.instances[index].mesh];
@@ -24,16 +24,16 @@ fn corners(scene: &Scene, time: f64) -> Vec<Vec3> {
     pose.instances.iter().enumerate().flat_map(of).collect()
 }
 
-fn assert_corners(what: &str, scene: &Scene, time: f64, expected: &[Vec3]) {
+pub(super) fn assert_corners(what: &str, scene: &Scene, time: f64, expected: &[Vec3]) {
     let found = corners(scene, time);
     let same =
         found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| a.distance(*b) < 2e-5);
     assert!(same, "{what} at {time}: {found:?} instead of {expected:?}");
 }
 
-const TRIANGLE: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+pub(super) const TRIANGLE: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
-fn at(place: Vec3) -> [Vec3; 3] {
+pub(super) fn at(place: Vec3) -> [Vec3; 3] {
     TRIANGLE.map(|corner| corner + place)
 }
 
@@ -123,6 +123,23 @@ const INCOMPLETE: &[(&str, Change, &str)] = &[
         "scenes",
     ),
     (
+        "an extension that nobody knows and no shape needs",
+        |d, _| {
+            d["extensionsRequired"] = json!(["EXT_unheard_of"]);
+            d["materials"] = json!([{ "extensions": { "EXT_unheard_of": {} } }]);
+        },
+        "extension EXT_unheard_of",
+    ),
+    (
+        "keys whose times fall",
+        |d, b| {
+            add_accessor(d, b, &[1.0, 0.0], "SCALAR", 2);
+            add_accessor(d, b, &[0.0, 0.0, 0.0, 3.0, 0.0, 0.0], "VEC3", 2);
+            d["animations"] = channel(json!({ "node": 0, "path": "translation" }));
+        },
+        "rising times",
+    ),
+    (
         "an extension that is ignored",
         |d, _| {
             d["extensionsUsed"] = json!(["KHR_xmp"]);
@@ -205,230 +222,6 @@ fn buffers_and_names_are_found_as_viewers_find_them() {
     assert_corners("composed", &scene.unwrap(), 0.0, &TRIANGLE);
 }
 
-/// Adds a skin of `joints`, with inverse bind matrices, that moves each vertex by its own pair of joints and weights.
-fn add_skin(
-    d: &mut Value,
-    b: &mut Vec<u8>,
-    joints: &[usize],
-    inverse: &[Mat4],
-    vertices: [([f32; 4], [f32; 4]); 3],
-) {
-    let matrices: Vec<f32> = inverse.iter().flat_map(Mat4::to_cols_array).collect();
-    let matrices = add_accessor(d, b, &matrices, "MAT4", inverse.len());
-    let indices = add_accessor(d, b, &vertices.map(|vertex| vertex.0).concat(), "VEC4", 3);
-    let weights = add_accessor(d, b, &vertices.map(|vertex| vertex.1).concat(), "VEC4", 3);
-    d["skins"] = json!([{ "joints": joints, "inverseBindMatrices": matrices }]);
-    let attributes = &mut d["meshes"][0]["primitives"][0]["attributes"];
-    (attributes["JOINTS_0"], attributes["WEIGHTS_0"]) = (json!(indices), json!(weights));
-}
-
-/// The first joint alone.
-const FIRST: ([f32; 4], [f32; 4]) = ([0.0; 4], [1.0, 0.0, 0.0, 0.0]);
-
-fn add_target(d: &mut Value, b: &mut Vec<u8>, deltas: [f32; 9]) {
-    let target = add_accessor(d, b, &deltas, "VEC3", 3);
-    d["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }, {}]);
-}
-
-const LIFT: [f32; 9] = [0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 4.0];
-
-/// A change to a file, and the corners of its triangles as posed.
-type Posed<'a> = (&'a str, Change, Vec<Vec3>);
-
-fn check_posed(table: &[Posed]) {
-    for (what, change, expected) in table {
-        let (mut document, mut bytes) = (document(), buffer());
-        change(&mut document, &mut bytes);
-        let scene = load_glb(&document, &bytes);
-        check_consistency(&scene);
-        assert_corners(what, &scene, 0.0, expected);
-        assert!(scene.warnings.iter().all(|warning| !warning.contains("not shown")), "{:?}", scene.warnings);
-        for (instance, transform) in scene.instances.iter().zip(&scene.pose(0.0).instances) {
-            assert!(transform.inverse().is_finite(), "{what}");
-            let mesh = &scene.meshes[instance.mesh];
-            let [a, b, c] = mesh.triangle_positions(0);
-            let facet = (b - a).cross(c - a).normalize();
-            assert!(
-                mesh.normals[mesh.triangles[0][0] as usize].distance(facet) < 1e-3,
-                "{what}: flat shading"
-            );
-        }
-        // As a model of a scene file it stands there, too.
-        let text = "[[models]]\nname = 'm'\npath = 'm.glb'\n[[instances]]\nmodel = 'm'\n[camera]\neye = [0, 0, 9]\n\
-                    target = [0, 0, 0]\n[[lights]]\ntype = 'point'\nposition = [0, 0, 9]\nintensity = [1, 1, 1]\n";
-        let folder = Folder::new().with("m.glb", glb(&document, &bytes)).with("s.toml", text);
-        let model = folder.load("s.toml").unwrap();
-        assert_eq!(corners(&model, 0.0).len(), expected.len(), "{what}");
-    }
-}
-
-#[test]
-fn targets_and_skins_pose_meshes_at_rest() {
-    let lifted = [Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + 2.0 * Vec3::Z];
-    check_posed(&[
-        (
-            "weights of a mesh",
-            |d, b| (add_target(d, b, LIFT), d["meshes"][0]["weights"] = json!([0.5, 1])).1,
-            lifted.to_vec(),
-        ),
-        (
-            "weights of a node, in place of the mesh's",
-            |d, b| {
-                add_target(d, b, LIFT);
-                d["meshes"][0]["weights"] = json!([7]);
-                d["nodes"] = json!([{ "mesh": 0, "weights": [0.5] }, { "mesh": 0, "weights": [0] }]);
-                d["scenes"][0]["nodes"] = json!([0, 1]);
-            },
-            [lifted, TRIANGLE].concat(),
-        ),
-        (
-            "a skin, whatever its node's transform",
-            |d, b| {
-                add_skin(d, b, &[1], &[Mat4::from_translation(Vec3::NEG_Y)], [FIRST; 3]);
-                d["nodes"] = json!([
-                    { "mesh": 0, "skin": 0, "translation": [9, 9, 9] },
-                    { "translation": [5, 1, 0] }
-                ]);
-                d["scenes"][0]["nodes"] = json!([0, 1]);
-            },
-            at(Vec3::X * 5.0).to_vec(),
-        ),
-        (
-            "a skin below its own joint, of two joints each below the other",
-            |d, b| {
-                let half = ([0.0, 1.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]);
-                let second = ([1.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0]);
-                add_skin(d, b, &[0, 1], &[Mat4::IDENTITY; 2], [FIRST, half, second]);
-                d["nodes"] = json!([
-                    { "children": [1], "translation": [2, 0, 0] },
-                    { "children": [2], "translation": [0, 0, 4] },
-                    { "mesh": 0, "skin": 0 }
-                ]);
-            },
-            vec![Vec3::X * 2.0, Vec3::new(3.0, 0.0, 2.0), Vec3::new(2.0, 1.0, 4.0)],
-        ),
-        (
-            "morphed, then skinned, by a mirroring joint",
-            |d, b| {
-                add_target(d, b, LIFT);
-                d["meshes"][0]["weights"] = json!([0.5]);
-                add_skin(d, b, &[1], &[Mat4::IDENTITY], [FIRST; 3]);
-                d["nodes"] = json!([{ "mesh": 0, "skin": 0 }, { "scale": [-1, 1, 1] }]);
-            },
-            vec![Vec3::Z, Vec3::Y + 2.0 * Vec3::Z, Vec3::NEG_X + Vec3::Z],
-        ),
-    ]);
-}
-
-/// As in the sample assets MorphPrimitivesTest and RecursiveSkeletons.
-#[test]
-fn several_primitives_and_skeletons_are_posed_together() {
-    let lifted = [Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + 2.0 * Vec3::Z];
-    check_posed(&[
-        (
-            "each primitive of a mesh by its own targets",
-            |d, b| {
-                add_target(d, b, LIFT);
-                let lifted = d["meshes"][0]["primitives"][0].clone();
-                add_target(d, b, [0.0; 9]);
-                d["meshes"][0]["primitives"].as_array_mut().unwrap().push(lifted);
-                d["meshes"][0]["weights"] = json!([0.5, 1]);
-            },
-            [TRIANGLE, lifted].concat(),
-        ),
-        (
-            "skeletons below what other skeletons move",
-            |d, b| {
-                add_skin(d, b, &[0], &[Mat4::IDENTITY], [FIRST; 3]);
-                let mut other = d["skins"][0].clone();
-                other["joints"] = json!([2]);
-                d["skins"].as_array_mut().unwrap().push(other);
-                d["nodes"] = json!([
-                    { "children": [1], "translation": [2, 0, 0] },
-                    { "children": [2], "translation": [9, 9, 9], "mesh": 0, "skin": 0 },
-                    { "children": [3], "translation": [0, 3, 0] },
-                    { "mesh": 0, "skin": 1, "translation": [7, 7, 7] }
-                ]);
-            },
-            [at(Vec3::X * 2.0), at(Vec3::new(11.0, 12.0, 9.0))].concat(),
-        ),
-    ]);
-}
-
-#[test]
-fn instances_are_placed_hidden_flat_and_mirrored() {
-    check_posed(&[
-        (
-            "instances of a mesh",
-            |d, b| {
-                let places = add_accessor(d, b, &[0.0, 0.0, 1.0, 0.0, 0.0, 2.0], "VEC3", 2);
-                let scales = add_accessor(d, b, &[1.0, 1.0, 1.0, 2.0, 2.0, 2.0], "VEC3", 2);
-                let turn = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2).to_array();
-                let turns = add_accessor(d, b, &[[0.0, 0.0, 0.0, 1.0], turn].concat(), "VEC4", 2);
-                let attributes = json!({ "TRANSLATION": places, "SCALE": scales, "ROTATION": turns });
-                d["nodes"][0]["extensions"] =
-                    json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
-                d["nodes"][0]["translation"] = json!([5, 0, 0]);
-                d["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
-            },
-            [
-                at(Vec3::new(5.0, 0.0, 1.0)),
-                [Vec3::new(5.0, 0.0, 2.0), Vec3::new(5.0, 2.0, 2.0), Vec3::new(3.0, 0.0, 2.0)],
-            ]
-            .concat(),
-        ),
-        (
-            "hidden with all below",
-            |d, _| {
-                let hidden = json!({ "KHR_node_visibility": { "visible": false } });
-                let shown = json!({ "KHR_node_visibility": { "visible": true } });
-                d["nodes"] = json!([
-                    { "mesh": 0, "extensions": hidden, "children": [1] }, { "mesh": 0, "extensions": shown },
-                    { "mesh": 0, "extensions": shown, "translation": [1, 0, 0] }
-                ]);
-                d["scenes"][0]["nodes"] = json!([0, 2]);
-                d["extensionsRequired"] = json!(["KHR_node_visibility"]);
-            },
-            at(Vec3::X).to_vec(),
-        ),
-        ("flat", |d, _| d["nodes"][0]["scale"] = json!([2, 1, 0]), vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Y]),
-        (
-            "a mirror in a mirror",
-            |d, _| {
-                d["nodes"] =
-                    json!([{ "children": [1], "scale": [-1, 1, 1] }, { "mesh": 0, "scale": [-3, 1, 1] }]);
-            },
-            vec![Vec3::ZERO, Vec3::X * 3.0, Vec3::Y],
-        ),
-    ]);
-}
-
-#[test]
-fn normals_follow_joints_and_targets() {
-    let turn = Quat::from_rotation_y(1.0);
-    for skinned in [false, true] {
-        let (mut d, mut b) = (document(), buffer());
-        let up = add_accessor(&mut d, &mut b, &[0.0, 0.0, 1.0].repeat(3), "VEC3", 3);
-        d["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(up);
-        if skinned {
-            add_skin(&mut d, &mut b, &[1], &[Mat4::IDENTITY], [FIRST; 3]);
-            d["nodes"] =
-                json!([{ "mesh": 0, "skin": 0 }, { "rotation": turn.to_array(), "scale": [3, 3, 3] }]);
-        } else {
-            let change = (turn * Vec3::Z - Vec3::Z).to_array();
-            let target = add_accessor(&mut d, &mut b, &change.repeat(3), "VEC3", 3);
-            d["meshes"][0]["primitives"][0]["targets"] = json!([{ "NORMAL": target }]);
-            d["meshes"][0]["weights"] = json!([1]);
-        }
-        let mesh = &load_glb(&d, &b).meshes[0];
-        assert!(
-            mesh.normals.iter().all(|normal| normal.distance(turn * Vec3::Z) < 1e-5),
-            "{:?}",
-            mesh.normals
-        );
-    }
-}
-
 #[test]
 fn nodes_move_as_their_channels_say() {
     // Path, interpolation, times, values, and where (1, 0, 0) of the mesh is at some times.
@@ -491,6 +284,48 @@ fn nodes_move_as_their_channels_say() {
                 "{path} {interpolation} at {time}: {found} instead of {place}"
             );
             assert!(transform.inverse().is_finite(), "{path} {interpolation} at {time}");
+        }
+    }
+}
+
+/// A light and a camera turn by 40 degrees about y below a node that mirrors and stretches, which changes where they look.
+#[test]
+fn lights_and_cameras_move_with_all_that_nodes_above_them_do() {
+    let half = 20f32.to_radians();
+    for scale in [Vec3::ONE, Vec3::new(-1.0, 1.0, 1.0), Vec3::new(3.0, 1.0, 1.0), Vec3::new(1.0, -2.0, -0.5)]
+    {
+        let (mut d, mut b) = (document(), buffer());
+        let input = add_accessor(&mut d, &mut b, &[0.0, 1.0], "SCALAR", 2);
+        let turns = [0.0, 0.0, 0.0, 1.0, 0.0, half.sin(), 0.0, half.cos()];
+        let output = add_accessor(&mut d, &mut b, &turns, "VEC4", 2);
+        d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        d["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "directional" }] } });
+        d["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }]);
+        d["nodes"] = json!([
+            { "mesh": 0 },
+            { "children": [2], "scale": scale.to_array() },
+            { "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } }
+        ]);
+        d["scenes"][0]["nodes"] = json!([0, 1]);
+        d["animations"] = json!([{
+            "samplers": [{ "input": input, "output": output }],
+            "channels": [{ "sampler": 0, "target": { "node": 2, "path": "rotation" } }]
+        }]);
+        let scene = load_glb(&d, &b);
+        // Without a far plane the near one stays.
+        assert!(scene.camera.near == 0.1 && scene.camera.far >= 0.2);
+        for time in [0.0, 0.4, 0.99f32] {
+            let turn = Quat::from_rotation_y(time * 2.0 * half);
+            let expected = (scale * (turn * Vec3::NEG_Z)).normalize();
+            let pose = scene.pose(f64::from(time));
+            let up = pose.camera.up.normalize();
+            assert!(
+                pose.lights[0].direction.distance(expected) < 1e-3,
+                "{scale}: {}",
+                pose.lights[0].direction
+            );
+            assert!(pose.camera.forward().distance(expected) < 1e-3, "{scale}: {}", pose.camera.forward());
+            assert!(up.distance(Vec3::Y * scale.y.signum()) < 1e-3, "{scale}: {up}");
         }
     }
 }

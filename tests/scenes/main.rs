@@ -13,6 +13,7 @@ mod environments;
 mod gltf;
 mod gltf_files;
 mod gltf_pictures;
+mod gltf_poses;
 mod gltf_structure;
 mod lights;
 mod made;

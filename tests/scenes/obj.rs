@@ -155,6 +155,8 @@ fn names_have_blanks_and_comments() {
         ("my lib.mtl # a comment", "red paint # another", Vec3::X),
         ("my lib.mtl", "No #25", Vec3::Y),
         ("plain.mtl other.mtl # two", "last", Vec3::Z),
+        ("my\\ lib.mtl", "last", Vec3::Z),
+        ("gone.mtl my\\ lib.mtl", "last", Vec3::Z),
         ("PLAIN.mtl", "last  # of all", Vec3::Z),
     ] {
         let folder = Folder::new().with("m.obj", triangle(library, material));

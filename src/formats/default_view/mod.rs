@@ -15,6 +15,9 @@ use crate::builtin;
 use crate::scene::{BoundingSphere, Camera, CameraOverride, Light, LightKind, Scene};
 use survey::ModelSurvey;
 
+/// Least radius of a model: squares of lengths in smaller ones are zero.
+const LEAST_RADIUS: f32 = 1e-15;
+
 /// Direction from the model's centre to the camera: in front, slightly to the right and above.
 const VIEW: Vec3 = Vec3::new(0.45, 0.35, 1.0);
 
@@ -34,17 +37,23 @@ const MIN_LIT_FRACTION: f32 = 0.5;
 /// Fraction of the directions above the visible surface that must lead to the sky, so that it is the light.
 const MIN_OPEN_FRACTION: f32 = 0.3;
 
-/// Places a camera unless the file has one (`given`; its depths are fitted if it has no far plane) or `seen_by` an eye point,
-/// and a light unless its own light what is seen.
+/// Places a camera unless the file has one (`given`; its far plane is fitted if it has none) or `seen_by` an eye point,
+/// and a light unless its own light what is seen. The error completes a sentence about the file.
 pub(crate) fn add_default_camera_and_light(
     scene: &mut Scene,
     given: Option<Camera>,
     seen_by: &CameraOverride,
-) {
+) -> Result<(), String> {
+    let radius = bounds_of(scene).radius;
+    if radius < LEAST_RADIUS {
+        return Err(format!("has hardly any extent (its radius is {radius:e}); scale the model up"));
+    }
     match given {
         Some(mut camera) => {
             if camera.far <= camera.near {
+                let near = camera.near;
                 camera.fit_depths(&bounds_of(scene), 0.0);
+                (camera.near, camera.far) = (near, camera.far.max(2.0 * near));
             }
             scene.camera = camera;
         }
@@ -77,6 +86,7 @@ pub(crate) fn add_default_camera_and_light(
     } else if !lit {
         add_sky(scene);
     }
+    Ok(())
 }
 
 fn bounds_of(scene: &Scene) -> BoundingSphere {
@@ -91,10 +101,17 @@ fn place_inside(scene: &mut Scene, mut camera: Camera, nearest: Option<f32>) {
 }
 
 fn warn_of_camera(scene: &mut Scene, place: &str) {
+    let (eye, target) = (scene.camera.eye, scene.camera.target);
+    let digits = decimals(bounds_of(scene).radius);
     scene.warnings.push(format!(
-        "{}: no camera given; placed one {place} at {:.3} that looks at {:.3}",
-        scene.name, scene.camera.eye, scene.camera.target
+        "{}: no camera given; placed one {place} at {eye:.digits$} that looks at {target:.digits$}",
+        scene.name
     ));
+}
+
+/// Decimals of which numbers of this size have about four digits, whatever the unit of the model.
+fn decimals(size: f32) -> usize {
+    (3.0 - size.log10().floor()).clamp(0.0, 20.0) as usize
 }
 
 /// Places the camera in front of the scene, with a warning.
@@ -141,7 +158,9 @@ fn add_light(scene: &mut Scene, position: Vec3, intensity: f32) {
     };
     // First, as lights of a scene file come before those of emissive materials.
     scene.lights.insert(0, light);
-    scene
-        .warnings
-        .push(format!("{}: {why}; placed a point light of {intensity:.3} W/sr at {position:.3}", scene.name));
+    let [digits, places] = [intensity, bounds_of(scene).radius].map(decimals);
+    scene.warnings.push(format!(
+        "{}: {why}; placed a point light of {intensity:.digits$} W/sr at {position:.places$}",
+        scene.name
+    ));
 }

@@ -107,7 +107,8 @@ impl Source {
         count: usize,
         size: usize,
     ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, SceneError> {
-        let bytes = self.view(view)?;
+        let invalid = |why| self.error(format!("accessor {} {why}", accessor.index()));
+        let bytes = self.view(view).map_err(invalid)?;
         let stride = view.stride().unwrap_or(size);
         let end = count
             .checked_sub(1)

@@ -1,5 +1,9 @@
 //! The extensions of glTF, and what becomes of each. docs/FILES.md has the same table; a test compares both.
 
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
 /// What becomes of an extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Support {
@@ -11,6 +15,8 @@ pub(super) enum Support {
     Ignored,
     /// A file that requires it is refused, with this advice.
     Refused(&'static str),
+    /// Nobody here knows it: a file that requires it for shapes is refused, otherwise it is ignored.
+    Unknown,
 }
 
 const READ: &str = "EXT_mesh_gpu_instancing EXT_texture_webp KHR_materials_emissive_strength KHR_materials_ior \
@@ -37,12 +43,36 @@ const REFUSED: [(&str, &str); 5] = [
     ("KHR_meshopt_compression", UNPACK),
 ];
 
-/// What becomes of the extension `name`. One that nobody here knows may change what a file means.
+/// What becomes of the extension `name`.
 pub(super) fn support_of(name: &str) -> Support {
     let lists = [(READ, Support::Read), (APPROXIMATED, Support::Approximated), (IGNORED, Support::Ignored)];
     let found = lists.iter().find(|(names, _)| names.split_whitespace().any(|known| known == name));
-    let advice = || REFUSED.iter().find(|(known, _)| *known == name).map_or(EXPORT, |(_, advice)| *advice);
-    found.map_or_else(|| Support::Refused(advice()), |(_, support)| *support)
+    let refused = || REFUSED.iter().find(|(known, _)| *known == name);
+    found.map_or_else(
+        || refused().map_or(Support::Unknown, |(_, advice)| Support::Refused(advice)),
+        |(_, support)| *support,
+    )
+}
+
+/// The extensions that a document uses in meshes and what they consist of.
+pub(super) fn extensions_of_shapes(document: &Value) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut open: Vec<&Value> = ["meshes", "accessors", "bufferViews", "buffers"]
+        .iter()
+        .filter_map(|list| document.get(list))
+        .collect();
+    while let Some(value) = open.pop() {
+        match value {
+            Value::Object(members) => {
+                let extensions = members.get("extensions").and_then(Value::as_object);
+                found.extend(extensions.into_iter().flat_map(|extensions| extensions.keys().cloned()));
+                open.extend(members.values());
+            }
+            Value::Array(values) => open.extend(values),
+            _ => {}
+        }
+    }
+    found
 }
 
 #[cfg(test)]

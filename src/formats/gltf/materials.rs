@@ -35,7 +35,8 @@ impl Materials {
 
     /// Adds all materials of the file.
     pub fn add(source: &mut Source, scene: &mut Scene) -> Result<Self, SceneError> {
-        let mut images = Images::read(source)?;
+        let (mut images, problems) = Images::read(source);
+        scene.warnings.extend(problems);
         for (index, image) in images.decoded.iter().enumerate() {
             let sizes = image.as_ref().and_then(images::shrinking);
             source.not_shown.extend(sizes.map(|sizes| format!("image {index} in full ({sizes})")));
@@ -65,52 +66,37 @@ struct Images {
 }
 
 impl Images {
-    fn read(source: &Source) -> Result<Self, SceneError> {
-        let mut used = vec![false; source.document.images().len()];
+    /// Reads the images of materials; of those that cannot be read a checkerboard is the base colour, and others have no effect,
+    /// with a warning.
+    fn read(source: &Source) -> (Self, Vec<String>) {
+        let count = source.document.images().len();
+        let (mut used, mut is_base) = (vec![false; count], vec![false; count]);
         for material in source.document.materials() {
             let data = material.pbr_metallic_roughness().metallic_roughness_texture();
             let colour = material.pbr_metallic_roughness().base_color_texture();
             let normal = material.normal_texture().map(|map| map.texture());
+            colour.iter().for_each(|info| is_base[info.texture().source().index()] = true);
             let others = [data, colour, material.emissive_texture()].into_iter().flatten();
             for texture in others.map(|info| info.texture()).chain(normal) {
                 used[texture.source().index()] = true;
             }
         }
-        let images: Vec<_> = source.document.images().zip(used).collect();
-        let read = |(image, used): &(::gltf::Image<'_>, bool)| -> Result<Option<DynamicImage>, SceneError> {
-            if !*used {
-                return Ok(None);
+        let read = |index: &usize| match used[*index].then(|| read_image(source, *index)) {
+            None => (None, None),
+            Some(Ok(image)) => (Some(image), None),
+            Some(Err(problem)) => {
+                let (image, fallback) = match is_base[*index] {
+                    true => (Some(images::checkerboard()), "using a magenta and black checkerboard"),
+                    false => (None, "leaving it out"),
+                };
+                (image, Some(format!("{}: image {index} {problem}; {fallback}", source.file.display())))
             }
-            let what = format!("image {}", image.index());
-            activity::begin(format!("{}: decoding {what}", source.file.display()));
-            let embedded;
-            let external;
-            // The crate's own accessor panics where the type is missing.
-            let json = &source.document.as_json().images[image.index()];
-            let view = json.buffer_view.and_then(|view| source.document.views().nth(view.value()));
-            let bytes: &[u8] = match (view, &json.uri) {
-                (Some(view), _) => {
-                    embedded = source.view(&view)?;
-                    embedded
-                }
-                (None, Some(uri)) => {
-                    external = source.resolve(uri, &what)?;
-                    &external
-                }
-                (None, None) => {
-                    return Err(
-                        source.error(format!("{what} has neither uri nor bufferView; export the file again"))
-                    );
-                }
-            };
-            let decoded = images::decode_image(bytes, None);
-            decoded
-                .map(Some)
-                .map_err(|problem| source.error(format!("{what} {problem}; export the file again")))
         };
-        let decoded = images.par_iter().map(read).collect::<Result<_, _>>()?;
+        let indices: Vec<usize> = (0..count).collect();
+        let (decoded, problems): (Vec<_>, Vec<_>) = indices.par_iter().map(read).unzip();
         let (places, opacities) = (HashMap::new(), HashMap::new());
-        Ok(Self { decoded, places, opacities, vertex_alpha: vertex_alpha(source) })
+        let images = Self { decoded, places, opacities, vertex_alpha: vertex_alpha(source) };
+        (images, problems.into_iter().flatten().collect())
     }
 
     /// The mask of a texture's alpha; materials share its texels.
@@ -129,6 +115,19 @@ impl Images {
             scene.textures.push(images::texture(&name, image, content, None).into());
             scene.textures.len() - 1
         }))
+    }
+}
+
+/// Decodes an image; the error completes a sentence about it.
+fn read_image(source: &Source, index: usize) -> Result<DynamicImage, String> {
+    activity::begin(format!("{}: decoding image {index}", source.file.display()));
+    // The crate's own accessor panics where the type is missing.
+    let json = &source.document.as_json().images[index];
+    let view = json.buffer_view.and_then(|view| source.document.views().nth(view.value()));
+    match (view, &json.uri) {
+        (Some(view), _) => images::decode_image(source.view(&view)?, None),
+        (None, Some(uri)) => images::decode_image(&source.resolve(uri)?, None),
+        (None, None) => Err("has neither uri nor bufferView".to_owned()),
     }
 }
 

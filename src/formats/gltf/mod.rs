@@ -6,6 +6,7 @@
 //! Units: metres. Candela and lux are divided by 683 lm/W, emission is taken as W/m^2/sr.
 
 mod accessor;
+mod attributes;
 mod extensions;
 mod materials;
 mod meshes;
@@ -30,8 +31,9 @@ use self::nodes::{Placed, Tree};
 use self::shape::Shape;
 use self::source::Source;
 use super::error::SceneError;
-use super::{LoadOptions, default_view, obj};
-use crate::scene::{Animation, Camera, Instance, Light, LightKind, Mesh, Scene, SpotFalloff};
+use super::{default_view, obj};
+use crate::scene::{Animation, Camera, CameraOverride, Instance, Light, LightKind, Mesh, Scene, SpotFalloff};
+use crate::untrusted;
 
 /// Luminous efficacy by which photometric units become radiometric ones, lm/W.
 const EFFICACY: f32 = 683.0;
@@ -45,13 +47,37 @@ pub(crate) fn is_gltf(file: &Path) -> bool {
     matches!(extension.as_deref(), Some("gltf" | "glb"))
 }
 
-/// Loads a file as a scene, with its own camera and lights, or made-up ones where it has none.
-pub(crate) fn load(file: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
+/// Loads a file as a scene, with its own camera and lights, or made-up ones where it has none, and the animation of this name or
+/// index, or its first one.
+pub(crate) fn load(
+    file: &Path,
+    animation: Option<&str>,
+    seen_by: &CameraOverride,
+) -> Result<Scene, SceneError> {
+    guarded(file, || load_unguarded(file, animation, seen_by))
+}
+
+/// Adds all that a file shows at rest as one mesh; returns its index.
+pub(crate) fn add_model(file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+    guarded(file, || add_model_unguarded(file, scene))
+}
+
+/// Reads a model by the crate `gltf`, whose panic is an error of the file.
+fn guarded<T>(file: &Path, read: impl FnOnce() -> Result<T, SceneError>) -> Result<T, SceneError> {
+    let invalid = |why| SceneError::invalid(file, None, format!("{why}; export or download it again"));
+    untrusted::guarded(read).map_err(invalid)?
+}
+
+fn load_unguarded(
+    file: &Path,
+    animation: Option<&str>,
+    seen_by: &CameraOverride,
+) -> Result<Scene, SceneError> {
     let mut scene = Scene::new(&obj::stem(file));
     // As the specification has it.
     scene.metres_per_unit = Some(1.0);
     let mut file = File::open(file, &mut scene)?;
-    let motions = Motions::read(&mut file.source, options.animation.as_deref())?;
+    let motions = Motions::read(&mut file.source, animation)?;
     let placed = std::mem::take(&mut file.placed);
     let moving = motions.moving(&file.tree);
     if file.source.document.skins().flat_map(|skin| skin.joints()).any(|joint| moving[joint.index()]) {
@@ -78,12 +104,12 @@ pub(crate) fn load(file: &Path, options: &LoadOptions) -> Result<Scene, SceneErr
         scene.camera_animation = animation;
         found
     });
-    default_view::add_default_camera_and_light(&mut scene, placed_camera, &options.seen_by);
+    default_view::add_default_camera_and_light(&mut scene, placed_camera, seen_by)
+        .map_err(|why| file.source.error(why))?;
     Ok(scene)
 }
 
-/// Adds all that a file shows at rest as one mesh; returns its index.
-pub(crate) fn add_model(path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
+fn add_model_unguarded(path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
     let mut file = File::open(path, scene)?;
     let mut whole = Mesh { name: obj::stem(path), ..Mesh::default() };
     let document = Arc::clone(&file.source.document);

@@ -94,7 +94,12 @@ impl Motions {
                     continue;
                 }
             };
-            let track = track_of(source, &sampler, values)?;
+            let Some(track) = track_of(source, &sampler, values)? else {
+                source
+                    .not_shown
+                    .insert("animation without rising times from 0, and a value for each".to_owned());
+                continue;
+            };
             let node = motions.nodes.entry(target.node().index()).or_default();
             *match property {
                 Property::Translation => &mut node.translation,
@@ -194,22 +199,20 @@ impl Motions {
     }
 }
 
+/// The track of a sampler; none without rising times from 0, and a value for each.
 fn track_of(
     source: &Source,
     sampler: &::gltf::animation::Sampler<'_>,
     values: Vec<Vec4>,
-) -> Result<Track, SceneError> {
+) -> Result<Option<Track>, SceneError> {
     let times: Vec<f32> =
         source.vectors::<1>(&sampler.input(), "times")?.into_iter().map(|[time]| time).collect();
     let interpolation = sampler.interpolation();
     let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
     let ascending = times.windows(2).all(|pair| pair[0] < pair[1]);
     let in_range = times.iter().all(|time| (0.0..=MAX_TIME).contains(time));
-    if times.is_empty() || !ascending || !in_range || values.len() != per_key * times.len() {
-        let problem = "an animation needs rising times from 0, and a value for each; export the file again";
-        return Err(source.error(problem));
-    }
-    Ok(Track { interpolation, times, values })
+    let fits = !times.is_empty() && values.len() == per_key * times.len();
+    Ok((fits && ascending && in_range).then_some(Track { interpolation, times, values }))
 }
 
 impl Track {

@@ -9,7 +9,7 @@
 use ::gltf::{Node, Semantic};
 use glam::{Affine3A, Mat4, Vec3};
 
-use super::meshes::Attributes;
+use super::attributes::Attributes;
 use super::nodes::Tree;
 use super::source::Source;
 use crate::formats::error::SceneError;

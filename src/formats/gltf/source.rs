@@ -15,7 +15,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
-use super::extensions::{Support, support_of};
+use super::extensions::{Support, extensions_of_shapes, support_of};
 use super::repair::repair;
 use crate::formats::error::SceneError;
 use crate::formats::obj::find_any_case;
@@ -109,6 +109,7 @@ impl Source {
             return Err(invalid("has a number that is out of range; export it again".to_owned()));
         }
         let mut not_shown = BTreeSet::new();
+        let of_shapes = extensions_of_shapes(&document);
         repair(&mut document, &mut not_shown);
         let root: json::Root = serde_json::from_value(document).map_err(wrong)?;
         let mut source = Self {
@@ -118,7 +119,7 @@ impl Source {
             buffers: Vec::new(),
             not_shown,
         };
-        source.check(&root)?;
+        source.check(&root, &of_shapes)?;
         source.buffers = source.read_buffers(&root, blob)?;
         source.document = Arc::new(::gltf::Document::from_json_without_validation(root));
         Ok(source)
@@ -130,20 +131,23 @@ impl Source {
     }
 
     /// Checks version, extensions, and what the format demands of each object.
-    fn check(&mut self, root: &json::Root) -> Result<(), SceneError> {
+    fn check(&mut self, root: &json::Root, of_shapes: &BTreeSet<String>) -> Result<(), SceneError> {
         if let Some(version) = root.asset.min_version.as_deref().filter(|version| *version != "2.0") {
             return Err(self.error(format!("needs a reader of glTF {version}; export it as glTF 2.0")));
         }
         for name in &root.extensions_required {
-            if let Support::Refused(advice) = support_of(name) {
-                return Err(self.error(format!("needs the extension {name}, which is not read; {advice}")));
-            }
+            let advice = match support_of(name) {
+                Support::Refused(advice) => advice,
+                Support::Unknown if of_shapes.contains(name) => "export the file again without it",
+                _ => continue,
+            };
+            return Err(self.error(format!("needs the extension {name}, which is not read; {advice}")));
         }
         let left_out = root
             .extensions_used
             .iter()
             .chain(&root.extensions_required)
-            .filter(|name| matches!(support_of(name), Support::Ignored | Support::Refused(_)));
+            .filter(|name| !matches!(support_of(name), Support::Read | Support::Approximated));
         self.not_shown.extend(left_out.map(|name| format!("extension {name}")));
         self.check_positions(root)?;
         let mut violation = None;
@@ -187,7 +191,7 @@ impl Source {
     fn read_buffers(&self, root: &json::Root, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, SceneError> {
         let read = |(index, buffer): (usize, &json::Buffer)| {
             let bytes = match &buffer.uri {
-                Some(uri) => self.resolve(uri, &format!("buffer {index}"))?,
+                Some(uri) => self.resolve(uri).map_err(|why| self.error(format!("buffer {index} {why}")))?,
                 None => blob.take().filter(|_| index == 0).ok_or_else(|| {
                     self.error(format!("buffer {index} has no uri and no data; export the file again"))
                 })?,
@@ -215,11 +219,11 @@ impl Source {
         root.buffers.iter().enumerate().map(read).collect()
     }
 
-    /// The bytes of a data URI or of a file below the folder of this one. `what` names it in errors.
-    pub fn resolve(&self, uri: &str, what: &str) -> Result<Vec<u8>, SceneError> {
+    /// The bytes of a data URI or of a file below the folder of this one; the error completes a sentence about it.
+    pub fn resolve(&self, uri: &str) -> Result<Vec<u8>, String> {
         if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
             return data_of(&uri[5..])
-                .map_err(|why| self.error(format!("{what}: its data URI {why}; export the file again")));
+                .map_err(|why| format!("has a data URI that {why}; export the file again"));
         }
         let path = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
         let parts = Path::new(path.as_ref()).components();
@@ -232,9 +236,8 @@ impl Source {
             || path.split('/').any(|part| part == "..")
             || !inside.all(|inside| inside)
         {
-            return Err(self.error(format!(
-                "{what}: the uri \"{uri}\" leads out of the folder of the file; put it beside the file"
-            )));
+            let problem = "leads out of the folder of the file; put it beside the file";
+            return Err(format!("has the uri \"{uri}\", which {problem}"));
         }
         let folder = self.file.parent().unwrap_or(Path::new(""));
         // Names with a percent sign or a backslash of their own are there as they are written.
@@ -246,23 +249,22 @@ impl Source {
                 .find_map(|name| find_any_case(folder, name))
                 .unwrap_or_else(|| folder.join(&path)),
         };
-        std::fs::read(&file).map_err(|reason| {
-            self.error(format!("{what}: {} cannot be read ({reason}); put it there", file.display()))
-        })
+        std::fs::read(&file)
+            .map_err(|reason| format!("is {}, which cannot be read ({reason}); put it there", file.display()))
     }
 
-    /// The bytes of a buffer view.
-    pub fn view(&self, view: &::gltf::buffer::View<'_>) -> Result<&[u8], SceneError> {
+    /// The bytes of a buffer view; the error completes a sentence about what has it.
+    pub fn view(&self, view: &::gltf::buffer::View<'_>) -> Result<&[u8], String> {
         let bytes = &self.buffers[view.buffer().index()];
         let end = view.offset().checked_add(view.length());
         end.and_then(|end| bytes.get(view.offset()..end)).ok_or_else(|| {
-            self.error(format!(
-                "buffer view {} (bytes {} to {}) is out of the range of its buffer, which has {} bytes; export the file again",
+            format!(
+                "has buffer view {} (bytes {} to {}), out of the range of its buffer, which has {} bytes; export the file again",
                 view.index(),
                 view.offset(),
                 view.offset().saturating_add(view.length()),
                 bytes.len()
-            ))
+            )
         })
     }
 }

@@ -11,7 +11,8 @@ use glam::Vec3;
 use image::DynamicImage;
 use rayon::prelude::*;
 
-use super::mtl::{Map, MtlMaterial, find_file};
+use super::map::Map;
+use super::mtl::{MtlMaterial, find_file};
 use super::normal_map;
 use super::surface::surface;
 use crate::formats::images::{self, Content};
@@ -62,11 +63,9 @@ enum Relief<'a> {
 
 impl<'a> Relief<'a> {
     fn of(material: &'a MtlMaterial) -> Option<(&'a Map, Self)> {
-        let heights = || {
-            let (map, factor) = material.bump.as_ref()?;
-            Some((map, Self::Heights(&map.file, factor.to_bits())))
-        };
-        material.norm.as_ref().map(|map| (map, Self::Normals(&map.file))).or_else(heights)
+        let heights = |map: &'a Map| (map, Self::Heights(&map.file, map.multiplier.to_bits()));
+        let normals = material.norm.as_ref().map(|map| (map, Self::Normals(&map.file)));
+        normals.or_else(|| material.bump.as_ref().map(heights))
     }
 
     fn name(self) -> &'a str {

@@ -1,4 +1,4 @@
-//! Material libraries.
+//! Material libraries, parsed by the crate `tobj`.
 //!
 //! In: the `mtllib` argument of an OBJ. Out: its materials, with finite numbers in range. Problems are warnings, never errors:
 //! a picture without a map is better than none.
@@ -6,18 +6,15 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use glam::{Mat2, Vec2, Vec3};
+use glam::Vec3;
 use unicode_normalization::UnicodeNormalization;
 
-use super::statements::without_comment;
-use crate::scene::{TextureUse, Wrap};
+use super::map::{self, Map};
+use super::reader::{parts, without_comment};
 use crate::untrusted;
 
 /// Most warnings of one file; further ones are counted.
 const MAX_WARNINGS: usize = 8;
-
-/// Largest multiplier of a bump map.
-const MOST_BUMP: f32 = 1e4;
 
 /// A material of a library; what the library does not give is none.
 #[derive(Clone, Debug, Default)]
@@ -40,29 +37,37 @@ pub(super) struct MtlMaterial {
     pub map_pr: Option<Map>,
     pub map_pm: Option<Map>,
     pub norm: Option<Map>,
-    /// Heights, and their multiplier.
-    pub bump: Option<(Map, f32)>,
+    /// Heights.
+    pub bump: Option<Map>,
 }
 
-/// An image file with how it is laid on the surface.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Map {
-    pub file: String,
-    /// Texture coordinates are multiplied by this (`-s`), then this is added (`-o`).
-    pub scale: Vec2,
-    pub offset: Vec2,
-    /// Whether it ends at its border (`-clamp`).
-    pub clamp: bool,
-}
-
-impl Map {
-    /// The use of `texture`, whose coordinates v count from the top of the image, while those of an OBJ count from the bottom.
-    pub fn of(&self, texture: usize) -> TextureUse {
-        TextureUse {
-            matrix: Mat2::from_diagonal(self.scale),
-            offset: Vec2::new(self.offset.x, 1.0 - self.scale.y - self.offset.y),
-            wrap: if self.clamp { [Wrap::Clamp; 2] } else { Wrap::REPEAT },
-            ..texture.into()
+impl MtlMaterial {
+    /// What `tobj` read of usable statements.
+    fn of(material: tobj::Material) -> Self {
+        let other = |keyword: &str| material.unknown_param.get(keyword);
+        let number = |keyword: &str| other(keyword)?.parse().ok();
+        let map = |text: Option<&String>| Map::read("", text?).ok();
+        let colour = |text: &String| read_colour("", text, 1.0).ok();
+        Self {
+            kd: material.diffuse.map(Vec3::from_array),
+            ks: material.specular.map(Vec3::from_array),
+            ke: material.emissive.map(Vec3::from_array),
+            tf: other("tf").and_then(colour).map(|(given, _)| given),
+            ns: material.shininess,
+            ni: material.optical_density,
+            d: material.dissolve,
+            tr: number("tr"),
+            pr: number("pr"),
+            pm: number("pm"),
+            illum: material.illumination_model,
+            map_kd: map(material.diffuse_texture.as_ref()),
+            map_d: map(material.dissolve_texture.as_ref()),
+            map_ke: map(other("map_ke")),
+            map_pr: map(other("map_pr")),
+            map_pm: map(other("map_pm")),
+            norm: map(other("norm")),
+            bump: map(material.normal_texture.as_ref()),
+            name: material.name,
         }
     }
 }
@@ -70,15 +75,18 @@ impl Map {
 /// Reads the libraries that an `mtllib` of `file` (an OBJ) names; later definitions override earlier ones.
 pub(super) fn read_libraries(file: &Path, argument: &str, warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
     let folder = file.parent().unwrap_or(Path::new(""));
-    // One name with spaces, several names, or either before a comment.
+    // One name with spaces, several names, or either before a comment; a space in one of several names is escaped.
     let bare = without_comment(argument);
     let names = match [argument, bare].into_iter().find(|name| find_file(folder, name).is_some()) {
-        Some(name) => vec![name],
-        None => bare.split_whitespace().collect(),
+        Some(name) => vec![name.to_owned()],
+        None => {
+            let names = bare.replace("\\ ", "\0");
+            names.split_whitespace().map(|name| name.replace('\0', " ")).collect()
+        }
     };
     let mut materials = Vec::new();
     for name in names {
-        let problem = match find_file(folder, name).map(|path| (std::fs::read(&path), path)) {
+        let problem = match find_file(folder, &name).map(|path| (std::fs::read(&path), path)) {
             Some((Ok(bytes), path)) => match untrusted::wrong_format(&bytes).filter(|_| !bytes.is_empty()) {
                 Some(why) => why.to_owned(),
                 None => {
@@ -94,10 +102,14 @@ pub(super) fn read_libraries(file: &Path, argument: &str, warnings: &mut Vec<Str
     materials
 }
 
-/// Finds `name` below `folder`: as written, ignoring case, only its last component; or so before a comment.
+/// Finds `name` below `folder`: as written, ignoring case, only its last component; or so before a comment; or with its escaped
+/// spaces.
 pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
     let bare = without_comment(name);
-    find_as_written(folder, name).or_else(|| find_as_written(folder, bare).filter(|_| bare != name))
+    let unescaped = bare.replace("\\ ", " ");
+    let mut names = vec![name, bare, &unescaped];
+    names.dedup();
+    names.into_iter().find_map(|name| find_as_written(folder, name))
 }
 
 fn find_as_written(folder: &Path, name: &str) -> Option<PathBuf> {
@@ -132,22 +144,22 @@ pub(crate) fn find_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
     path.is_file().then_some(path)
 }
 
-/// Parses a library; what is wrong with a statement becomes a warning.
+/// Parses a library; what is wrong with a statement becomes a warning, and `tobj` is given the others.
 pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
-    let (mut materials, mut problems) = (Vec::new(), Vec::new());
+    let (mut usable, mut problems) = (String::new(), Vec::new());
     let mut not_shown = BTreeSet::new();
     for (number, line) in untrusted::text_of(bytes).lines().enumerate() {
-        let line = line.trim();
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let (keyword, rest) = (keyword.to_ascii_lowercase(), rest.trim());
+        let (keyword, rest) = parts(line.trim());
+        let keyword = keyword.to_ascii_lowercase();
         not_shown.extend(what_is_not_shown(&keyword, rest));
         if keyword.starts_with("map_") || ["norm", "bump"].contains(&&*keyword) {
-            not_shown
-                .extend(options_of(rest).0.into_iter().filter_map(|(option, _)| option_not_shown(option)));
+            not_shown.extend(map::not_shown(&keyword, rest));
         }
-        if let Err(problem) = read_statement(&mut materials, &keyword, rest) {
+        let statement = usable_statement(&keyword, rest).unwrap_or_else(|(statement, problem)| {
             problems.push(format!("{}:{}: {problem}", path.display(), number + 1));
-        }
+            statement
+        });
+        usable.extend([&statement, "\n"]);
     }
     let more = problems.len().saturating_sub(MAX_WARNINGS);
     warnings.extend(problems.into_iter().take(MAX_WARNINGS));
@@ -158,7 +170,13 @@ pub(super) fn parse(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Ve
         let names = not_shown.into_iter().collect::<Vec<_>>().join(", ");
         warnings.push(format!("{}: not shown: {names}", path.display()));
     }
-    materials
+    match tobj::load_mtl_buf(&mut usable.as_bytes()) {
+        Ok((materials, _)) => materials.into_iter().map(MtlMaterial::of).collect(),
+        Err(why) => {
+            warnings.push(format!("{}: {why}; using grey", path.display()));
+            Vec::new()
+        }
+    }
 }
 
 /// The statement of a keyword that has an effect which is not shown, if it does.
@@ -177,68 +195,59 @@ fn what_is_not_shown(keyword: &str, rest: &str) -> Option<&'static str> {
     })
 }
 
-/// Begins a material, or gives a value to the last one. Statements without effect on the surface are skipped.
-fn read_statement(materials: &mut Vec<MtlMaterial>, keyword: &str, rest: &str) -> Result<(), String> {
-    if keyword == "newmtl" {
-        if rest.is_empty() {
-            return Err("material without a name; ignored".to_owned());
-        }
-        materials.push(MtlMaterial { name: rest.to_owned(), ..MtlMaterial::default() });
-        return Ok(());
-    }
-    let mut nameless = MtlMaterial::default();
-    let material = materials.last_mut().unwrap_or(&mut nameless);
-    let colour = |most: f32, value: &mut Option<Vec3>| read_colour(keyword, rest, most, value);
-    let number = |value: &mut Option<f32>| read_number(keyword, rest).map(|number| *value = Some(number));
-    let file = |value: &mut Option<Map>| read_map(keyword, rest).map(|map| *value = Some(map));
+/// A statement as `tobj` can read it, which is none without effect on the surface; or what is usable of it, and the problem.
+fn usable_statement(keyword: &str, rest: &str) -> Result<String, (String, String)> {
+    let nothing = |problem| (String::new(), problem);
+    // `tobj` knows keywords by their case.
+    let name = match keyword {
+        "kd" => "Kd",
+        "ks" => "Ks",
+        "ke" => "Ke",
+        "ns" => "Ns",
+        "ni" => "Ni",
+        "map_kd" => "map_Kd",
+        "map_kn" => "norm",
+        "map_bump" => "bump",
+        other => other,
+    };
     match keyword {
-        "kd" => colour(1.0, &mut material.kd),
-        "ks" => colour(1.0, &mut material.ks),
-        "ke" => colour(f32::MAX, &mut material.ke),
-        // `Tf xyz` and `Tf spectral` are rare.
-        "tf" => colour(1.0, &mut material.tf),
-        "ns" => number(&mut material.ns),
-        "ni" => number(&mut material.ni),
-        "d" => number(&mut material.d),
-        "tr" => number(&mut material.tr),
-        "pr" => number(&mut material.pr),
-        "pm" => number(&mut material.pm),
+        "newmtl" if rest.is_empty() => return Err(nothing("material without a name; ignored".to_owned())),
+        "newmtl" => {}
+        "kd" | "ks" | "ke" | "tf" => {
+            // `Tf xyz` and `Tf spectral` are rare.
+            let most = if keyword == "ke" { f32::MAX } else { 1.0 };
+            let (given, usable) = read_colour(keyword, rest, most).map_err(nothing)?;
+            let statement = format!("{name} {} {} {}", usable.x, usable.y, usable.z);
+            return if usable == given {
+                Ok(statement)
+            } else {
+                Err((statement, format!("{keyword} {rest} is out of range; clamped to {usable}")))
+            };
+        }
+        "ns" | "ni" | "d" | "tr" | "pr" | "pm" => {
+            return read_number(keyword, rest).map(|number| format!("{name} {number}")).map_err(nothing);
+        }
         "illum" => {
-            material.illum =
-                Some(rest.parse().map_err(|_| format!("illum {rest} is not a number; ignored"))?);
-            Ok(())
+            rest.parse::<u8>().map_err(|_| nothing(format!("illum {rest} is not a number; ignored")))?;
         }
-        "map_kd" => file(&mut material.map_kd),
-        "map_d" => file(&mut material.map_d),
-        "map_ke" => file(&mut material.map_ke),
-        "map_pr" => file(&mut material.map_pr),
-        "map_pm" => file(&mut material.map_pm),
-        "norm" | "map_kn" => file(&mut material.norm),
-        "map_bump" | "bump" => {
-            material.bump = Some((read_map(keyword, rest)?, bump_multiplier(rest)?));
-            Ok(())
+        "map_kd" | "map_d" | "map_ke" | "map_pr" | "map_pm" | "norm" | "map_kn" | "map_bump" | "bump" => {
+            Map::read(keyword, rest).map_err(nothing)?;
         }
-        _ => Ok(()),
+        _ => return Ok(String::new()),
     }
+    Ok(format!("{name} {rest}"))
 }
 
-/// Reads a colour of one or three numbers, clamped to [0, most]; where that changes it, the error says so.
-fn read_colour(keyword: &str, rest: &str, most: f32, value: &mut Option<Vec3>) -> Result<(), String> {
+/// Reads a colour of one or three numbers, as it is and clamped to [0, most].
+fn read_colour(keyword: &str, rest: &str, most: f32) -> Result<(Vec3, Vec3), String> {
     let numbers: Vec<f32> = rest.split_whitespace().map_while(|word| word.parse().ok()).collect();
     let given = match numbers[..] {
         [grey] => Vec3::splat(grey),
         [r, g, b, ..] => Vec3::new(r, g, b),
         _ => return Err(format!("{keyword} \"{rest}\" is not a colour of three numbers; ignored")),
     };
-    let usable = Vec3::from_array(
-        given.to_array().map(|channel| if channel.is_finite() { channel.clamp(0.0, most) } else { 0.0 }),
-    );
-    *value = Some(usable);
-    if usable == given {
-        Ok(())
-    } else {
-        Err(format!("{keyword} {rest} is out of range; clamped to {usable}"))
-    }
+    let usable = |channel: f32| if channel.is_finite() { channel.clamp(0.0, most) } else { 0.0 };
+    Ok((given, Vec3::from_array(given.to_array().map(usable))))
 }
 
 fn read_number(keyword: &str, rest: &str) -> Result<f32, String> {
@@ -252,112 +261,9 @@ fn read_number(keyword: &str, rest: &str) -> Result<f32, String> {
     }
 }
 
-fn read_map(keyword: &str, rest: &str) -> Result<Map, String> {
-    let (options, file) = options_of(rest);
-    if file.is_empty() {
-        return Err(format!("{keyword} names no file; ignored"));
-    }
-    let mut map = Map { file: file.to_owned(), scale: Vec2::ONE, ..Map::default() };
-    for (option, arguments) in options {
-        let number =
-            |place: usize, default: f32| arguments.get(place).map_or(Ok(default), |word| word.parse());
-        let pair = |default: f32| {
-            let pair = Vec2::new(number(0, default).ok()?, number(1, default).ok()?);
-            pair.is_finite().then_some(pair)
-        };
-        let unusable =
-            || format!("{keyword} {option} {} is not of finite numbers; ignored", arguments.join(" "));
-        match option {
-            "-s" => map.scale = pair(1.0).ok_or_else(unusable)?,
-            "-o" => map.offset = pair(0.0).ok_or_else(unusable)?,
-            "-clamp" => map.clamp = arguments.first() == Some(&"on"),
-            _ => {}
-        }
-    }
-    Ok(map)
-}
-
-/// The argument of the option `-bm` before a file name; 1 without one.
-fn bump_multiplier(rest: &str) -> Result<f32, String> {
-    let (options, _) = options_of(rest);
-    let Some((_, arguments)) = options.iter().find(|(option, _)| *option == "-bm") else { return Ok(1.0) };
-    let word = arguments.first().copied().unwrap_or_default();
-    let number = word.parse().ok().filter(|number: &f32| number.abs() <= MOST_BUMP);
-    number.ok_or_else(|| {
-        format!("-bm {word} is not a number from -{MOST_BUMP} to {MOST_BUMP}; bump map ignored")
-    })
-}
-
-/// An option that changes the picture and is not read.
-fn option_not_shown(option: &str) -> Option<&'static str> {
-    Some(match option {
-        "-t" => "-t (turbulence of a map)",
-        "-mm" => "-mm (range of a map)",
-        "-imfchan" => "-imfchan (channel of a map)",
-        _ => return None,
-    })
-}
-
-/// An option of a map with its arguments.
-type MapOption<'a> = (&'a str, Vec<&'a str>);
-
-/// The options such as `-clamp on` or `-s 1 1 1`, and the file name after them, which may contain spaces.
-fn options_of(mut rest: &str) -> (Vec<MapOption<'_>>, &str) {
-    let mut options = Vec::new();
-    while rest.starts_with('-') {
-        let (option, tail) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-        // Number of arguments: fixed, or up to three numbers.
-        let (fixed, numbers) = match option {
-            "-o" | "-s" | "-t" => (0, 3),
-            "-mm" => (2, 0),
-            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost" | "-imfchan"
-            | "-type" => (1, 0),
-            _ => break,
-        };
-        rest = tail.trim_start();
-        let mut arguments = Vec::new();
-        for i in 0..fixed.max(numbers) {
-            let (word, tail) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-            if i >= fixed && word.parse::<f32>().is_err() {
-                break;
-            }
-            arguments.push(word);
-            rest = tail.trim_start();
-        }
-        options.push((option, arguments));
-    }
-    (options, rest)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn texture_options_are_read() {
-        for (given, expected) in [
-            ("a.png", "a.png"),
-            ("-clamp on my file.png", "my file.png"),
-            ("-s 1 2 3 -o 0.5 b.png", "b.png"),
-            ("-bm 0.2 -mm 0 1 c d.png", "c d.png"),
-            ("-clamp", ""),
-            ("-unknown e.png", "-unknown e.png"),
-        ] {
-            assert_eq!(options_of(given).1, expected);
-        }
-        let map = read_map("map_kd", "-s 2 -clamp on -o 0.5 0.25 7 -mm 0 1 b.png").unwrap();
-        assert_eq!((map.scale, map.offset), (Vec2::new(2.0, 1.0), Vec2::new(0.5, 0.25)));
-        assert!(map.clamp && map.file == "b.png" && read_map("map_kd", "-o nan a.png").is_err());
-        // What lies at v from the bottom lies at 1 - v from the top.
-        let place = map.of(0).coordinates([Vec2::new(0.25, 1.0 - 0.5); 2]);
-        assert_eq!(place, Vec2::new(1.0, 1.0 - 0.75));
-        for (given, expected) in
-            [("a.png", 1.0), ("-bm 0.2 c d.png", 0.2), ("-clamp on -bm -3 -mm 0 1 e-bm 7.png", -3.0)]
-        {
-            assert_eq!(bump_multiplier(given), Ok(expected), "{given}");
-        }
-        assert!(bump_multiplier("-bm nan a.png").is_err() && bump_multiplier("-bm 1e9 a.png").is_err());
-    }
 
     #[test]
     fn bad_values_warn_and_stay_in_range() {

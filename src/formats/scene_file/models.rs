@@ -13,7 +13,6 @@ use super::entry::{At, Entry};
 use super::schema::{MaterialEntry, ModelEntry, Primitive};
 use crate::builtin;
 use crate::formats::error::SceneError;
-use crate::formats::load::guarded;
 use crate::formats::{gltf, obj};
 use crate::scene::{GLTF_F0, Material, Mesh, Scene};
 
@@ -60,7 +59,7 @@ pub(super) fn add_model(builder: &mut Builder, index: usize, model: &ModelEntry)
 /// Adds the mesh of a model's file, by its ending; returns its index.
 fn add_file(entry: &Entry, file: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
     if gltf::is_gltf(file) {
-        return guarded(file, || gltf::add_model(file, scene));
+        return gltf::add_model(file, scene);
     }
     if !file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")) {
         let problem =

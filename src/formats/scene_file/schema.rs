@@ -77,11 +77,6 @@ impl EnvironmentEntry {
         Self { colour: Some(colour), ..Self::default() }
     }
 
-    /// The map of a file.
-    pub fn of_map(map: PathBuf) -> Self {
-        Self { map: Some(map), ..Self::default() }
-    }
-
     /// Whether it has a map.
     pub fn has_map(&self) -> bool {
         self.map.is_some() || self.asset.is_some() || self.builtin.is_some()
