@@ -42,8 +42,10 @@ impl Channels {
         let has = |names: &[String], end| names.iter().any(|name| layer_of(name, end).is_some());
         let greys = parts.iter().enumerate().filter(|(_, names)| !has(names, "ry") && !has(names, "by"));
         let mut found = greys.filter_map(|(part, names)| {
-            let luminance = names.iter().find(|name| layer_of(name, "y").is_some());
-            // Z is a depth.
+            // X, Y and Z are a vector, and Z alone is a depth.
+            let has_x = |layer: &str| names.iter().any(|name| layer_of(name, "x") == Some(layer));
+            let is_luminance = |name: &&String| layer_of(name, "y").is_some_and(|layer| !has_x(layer));
+            let luminance = names.iter().find(is_luminance);
             let others = names.iter().filter(|name| layer_of(name, "a").is_none());
             let alone = others.filter(|_| !has(names, "z")).collect::<Vec<_>>();
             let grey = luminance.or(if let [only] = alone[..] { Some(only) } else { None })?;
@@ -129,7 +131,7 @@ mod tests {
             (&["diffuse.B diffuse.G diffuse.R diffuse.X"], Some((0, "diffuse.R", false))),
             (&["Y"], Some((0, "Y", true))),
             (&["A V"], Some((0, "V", true))),
-            (&["N.X N.Y N.Z", "A luminance.Y"], Some((0, "N.Y", true))),
+            (&["N.X N.Y N.Z", "A luminance.Y"], Some((1, "luminance.Y", true))),
             (&["BY RY Y"], None),
             (&["G R"], None),
             (&["Z"], None),
