@@ -272,8 +272,7 @@ impl Reader {
                 return Err(fault.clone());
             }
             let (mark, first) = if list == 0 { (' ', 1) } else { ('/', 2) };
-            self.text.push(mark);
-            self.text += itoa::Buffer::new().format(place + first);
+            _ = write!(self.text, "{mark}{}", place + first);
         }
         Ok(())
     }
