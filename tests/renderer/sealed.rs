@@ -71,15 +71,14 @@ fn brightest(gpu: &GpuFixture, scene: &Arc<Scene>, settings: &Settings, pose: im
 fn no_light_enters_a_sealed_room() {
     let Some(gpu) = GpuFixture::open() else { return };
     let few = VplSettings { slots: 64, pool: 256, temporal_sets: 4, ..VplSettings::default() };
-    let moving = Settings { size: [SIDE; 2], vpl: few.clone(), ..plain() };
+    let moving = Settings { size: [SIDE; 2], vpl: few, ..plain() };
     let with = |vpl| Settings { vpl, ..moving.clone() };
     let effects = EffectSettings { denoise: Denoise::NONE, ..EffectSettings::default() };
-    let tonna =
-        Settings { size: [SIDE; 2], vpl: few.clone(), ..Settings::default() }.with_preset(Preset::Tonna);
+    let tonna = Settings { size: [SIDE; 2], ..Settings::default() }.with_preset(Preset::Tonna);
     let modes = [
         ("moving", moving.clone()),
-        ("one set", with(VplSettings { temporal_sets: 1, ..few.clone() })),
-        ("full resolution", with(VplSettings { interleave: 1, ..few.clone() })),
+        ("one set", with(VplSettings { temporal_sets: 1, ..few })),
+        ("full resolution", with(VplSettings { interleave: 1, ..few })),
         ("paths", Settings { indirect: Indirect::PATHS, effects, ..moving.clone() }),
         ("paths alone", Settings { indirect: Indirect::PATHS, direct: Direct::Paths, ..moving.clone() }),
         ("soft", Settings { direct: Direct::Soft, ..moving.clone() }),

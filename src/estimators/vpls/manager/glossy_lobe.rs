@@ -17,8 +17,8 @@ use crate::scene::WorldSurface;
 /// spot of its own.
 const LEAST_ROUGHNESS: f32 = 0.5;
 
-/// Least cosine between a triangle and the light that arrives: bounds the flux of light that grazes the triangle and not the bump.
-const LEAST_COSINE: f32 = 0.01;
+/// By how much light that grazes the triangle, and not the bump, counts more, at most.
+const MOST_GAIN: f32 = 100.0;
 
 /// `GlossyLobe` in shaders/estimators/vpls/vpls.glsl (std430, 16 bytes).
 #[repr(C)]
@@ -35,15 +35,19 @@ impl GlossyLobe {
     /// No such lobe: the VPL is Lambertian.
     pub const NONE: Self = Self { incident: Vec3::ZERO, packed: 0 };
 
-    /// What a surface sends back of the flux that arrives in the unit direction `incident`, and the lobe. `from_light`: as a sample
+    /// The albedo of a surface for light in the unit direction `incident`, what it receives over the cosine to its triangle, and the lobe. `from_light`: as a sample
     /// of a punctual light, of which the shading normal mirrors nothing up.
-    pub(super) fn of(bsdf: &Bsdf, surface: &WorldSurface, incident: Vec3, from_light: bool) -> (Vec3, Self) {
+    pub(super) fn of(
+        bsdf: &Bsdf,
+        surface: &WorldSurface,
+        incident: Vec3,
+        from_light: bool,
+    ) -> (Vec3, f32, Self) {
         let WorldSurface { geometric_normal, normal, .. } = *surface;
         let arrives = -normal.dot(incident);
         if arrives <= 0.0 {
-            return (Vec3::ZERO, Self::NONE);
+            return (Vec3::ZERO, 1.0, Self::NONE);
         }
-        let cosine = (-geometric_normal.dot(incident)).max(LEAST_COSINE);
         let received = if from_light { arrives } else { surface.received(-incident) };
         let lobes = bsdf.hemispherical_reflectance(arrives);
         let albedo = lobes.diffuse + lobes.reflected;
@@ -52,15 +56,15 @@ impl GlossyLobe {
         let share = lobes.reflected * level / albedo.max(Vec3::splat(f32::MIN_POSITIVE));
         let fields = share.extend(bsdf.roughness.max(LEAST_ROUGHNESS)).to_array();
         let bytes = fields.map(|field| (field.clamp(0.0, 1.0) * 255.0).round() as u8);
-        let flux = albedo * (received / cosine);
+        let gain = (received / -geometric_normal.dot(incident)).clamp(0.0, MOST_GAIN);
         if share == Vec3::ZERO {
-            return (flux, Self::NONE);
+            return (albedo, gain, Self::NONE);
         }
         // Mirrored once more by the triangle, unless it has been below.
         let mirrored = incident.reflect(normal);
         let is_above = mirrored.dot(geometric_normal) > 0.0;
         let incident = if is_above { mirrored.reflect(geometric_normal) } else { mirrored };
-        (flux, Self { incident, packed: u32::from_le_bytes(bytes) })
+        (albedo, gain, Self { incident, packed: u32::from_le_bytes(bytes) })
     }
 
     /// The lobe's share of the flux in each channel.
@@ -121,7 +125,8 @@ mod tests {
     /// On a level surface.
     fn of(bsdf: &Bsdf, incident: Vec3) -> (Vec3, GlossyLobe) {
         let surface = WorldSurface { position: Vec3::ZERO, geometric_normal: Vec3::Z, normal: Vec3::Z };
-        GlossyLobe::of(bsdf, &surface, incident, false)
+        let (albedo, _, lobe) = GlossyLobe::of(bsdf, &surface, incident, false);
+        (albedo, lobe)
     }
 
     /// The middle of each cell of a grid over the hemisphere of equal solid angles, with that angle.
@@ -186,7 +191,10 @@ mod tests {
             let normal = Vec3::new(slope, 0.0, 1.0).normalize();
             let surface = WorldSurface { position: Vec3::ZERO, geometric_normal: Vec3::Z, normal };
             let white = Bsdf::lambertian(Vec3::ONE);
-            let flux = |d: Vec3| GlossyLobe::of(&white, &surface, -d, false).0.x * d.z;
+            let flux = |d: Vec3| {
+                let (albedo, gain, _) = GlossyLobe::of(&white, &surface, -d, false);
+                albedo.x * gain * d.z
+            };
             let total: f32 = directions(Vec3::Z).map(|(d, angle)| flux(d) * angle).sum();
             assert!((total / std::f32::consts::PI - 1.0).abs() < 0.01, "slope {slope}: {total}");
         }

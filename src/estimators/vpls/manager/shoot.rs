@@ -166,7 +166,7 @@ impl VplManager {
         let address = &self.assignment.addresses[slot as usize];
         let parent = self.slots.get(address.parent as usize);
         let (fresh, throughput) =
-            parent.map_or((true, Vec3::ONE), |parent| (parent.fresh, parent.throughput));
+            parent.map_or((true, Vec3::ONE), |parent| (parent.fresh, parent.throughput * parent.gain));
         let escaped = Slot::escaped(fresh, self.frame);
         let valid = Slot { state: SlotState::Valid, ..escaped };
         let surface_at = |instance: u32, point: SurfacePoint, side| {
@@ -202,12 +202,14 @@ impl VplManager {
                 let material = &world.scene.materials[material as usize];
                 let bsdf = material.bsdf_at(world.scene, found.attributes);
                 let direction = ray.direction.normalize();
-                let (albedo, lobe) = GlossyLobe::of(&bsdf, &found.surface, direction, address.parent == NONE);
+                let (albedo, gain, lobe) =
+                    GlossyLobe::of(&bsdf, &found.surface, direction, address.parent == NONE);
                 let filled = Slot {
                     front: found.front,
                     instance: hit.instance,
                     point,
                     throughput: throughput * weight * transmission.weight * albedo,
+                    gain,
                     lobe,
                     transmission,
                     unoccluded: Some(Ray { t_max: hit.t * HIT_MARGIN, ..ray }),

@@ -44,6 +44,8 @@ pub(super) struct Slot {
     pub(super) point: SurfacePoint,
     /// Product of the albedos along the path, the weight of its start and those of the thin surfaces passed.
     pub(super) throughput: Vec3,
+    /// Irradiance that its surface received over that across its triangle. Candidates are chosen without it, as it jumps from facet to facet.
+    pub(super) gain: f32,
     /// Lobe of a glossy surface, for the direction in which it was shot.
     pub(super) lobe: GlossyLobe,
     /// The effect of thin surfaces on the ray that shot it.
@@ -67,6 +69,7 @@ impl Slot {
         instance: 0,
         point: SurfacePoint { triangle: 0, barycentrics: Vec2::ZERO },
         throughput: Vec3::ZERO,
+        gain: 1.0,
         lobe: GlossyLobe::NONE,
         transmission: Transmission::CLEAR,
         shot: 0,

@@ -154,7 +154,7 @@ impl VplManager {
             return Vec3::ZERO;
         }
         let share = self.flux_corrections[light][bounce] / self.live[light][bounce] as f32;
-        self.changes.emitters[light].flux * share * slot.throughput
+        self.changes.emitters[light].flux * share * slot.throughput * slot.gain
     }
 }
 
