@@ -368,10 +368,7 @@ fn imports_within_rooms() -> BTreeMap<String, BTreeSet<String>> {
         rust_files("src").into_iter().map(|file| (module_of(&file), file)).collect();
     let file_of = |path: &str| {
         let ends = path.match_indices('/').map(|(at, _)| at).chain([path.len()]);
-        ends.map(|end| &path[..end])
-            .filter(|module| files.contains_key(*module))
-            .next_back()
-            .map(str::to_owned)
+        ends.map(|end| &path[..end]).rfind(|module| files.contains_key(*module)).map(str::to_owned)
     };
     let imports = |(module, file): (&String, &PathBuf)| {
         let paths = paths_in(&fs::read_to_string(file).unwrap(), module);
