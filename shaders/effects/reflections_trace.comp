@@ -120,11 +120,9 @@ bool seen_irradiance(HitSurface hit, uint instance, out vec3 result) {
 // Lights a hit: emission, one light, and irradiance, which is known or left to the estimator.
 void shade(inout Path path, HitSurface hit, ShadingPoint at, uint instance, vec3 albedo, vec4 random) {
     path.radiance += path.throughput * hit.emission;
-    vec3 origin = ray_origin(at.surface);
     ChosenLight chosen = choose_light(at, random.x);
     if (chosen.probability > 0.0) {
-        LightSample light = sample_light(chosen.index, at, origin, random.zw);
-        path.radiance += path.throughput * sampled_radiance(at, chosen, light, origin);
+        path.radiance += path.throughput * sampled_radiance(at, chosen, sample_light(chosen.index, at, random.zw));
     }
     vec3 weight = path.throughput * albedo / PI;
     vec3 known;
@@ -147,8 +145,7 @@ vec3 invisible_light(ShadingPoint at, uint first, ivec2 pixel, uint dimension) {
     at.gloss_of_areas = 0.0;
     ChosenLight chosen = choose_light(at, noise(pixel, dimension).x, first, frame.light_count + frame.area_light_count - first);
     if (chosen.probability == 0.0) return vec3(0.0);
-    vec3 origin = ray_origin(at.surface);
-    return sampled_radiance(at, chosen, sample_light(chosen.index, at, origin, noise(pixel, dimension + 1u)), origin);
+    return sampled_radiance(at, chosen, sample_light(chosen.index, at, noise(pixel, dimension + 1u)));
 }
 
 // The first hit of a path, or the environment.

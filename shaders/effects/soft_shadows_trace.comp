@@ -31,9 +31,7 @@ vec3 ratio_at(ivec2 pixel, uvec2 id) {
     ShadingPoint point = shading_point_at(pixel, id);
     ChosenLight chosen = choose_light(point, noise(pixel, 0u).x);
     if (chosen.probability <= 0.0) return vec3(1.0);
-    vec3 origin = ray_origin(point.surface);
-    LightSample light = sample_light(chosen.index, point, origin, noise(pixel, 1u));
-    vec3 radiance = sampled_radiance(point, chosen, light, origin);
+    vec3 radiance = sampled_radiance(point, chosen, sample_light(chosen.index, point, noise(pixel, 1u)));
     vec3 ratio = mix(vec3(1.0), radiance / max(chosen.unshadowed, vec3(1e-30)), greaterThan(chosen.unshadowed, vec3(0.0)));
     return min(ratio, MOST);
 }

@@ -29,7 +29,7 @@ ChosenLight choose_light(ShadingPoint point, float pick) { return choose_light(p
 // A point of a light.
 struct LightSample {
     vec3 to_light;   // unit
-    float reach;     // along it to the light, FAR at most
+    float reach;     // along it from the surface to the light, FAR at most
     vec3 irradiance; // across it, over the density of the direction; 0: nothing comes from there
     float gloss;     // share of the GGX lobe that counts
     float density;   // of the direction if points were uniform on the light, 1/sr; 0: rays do not meet the light
@@ -43,7 +43,7 @@ bool emitter_is_opaque(Emitter emitter, vec2 weights) {
     return mask_opaque(mask - 1u, uv, dot(alphas, vec3(1.0 - weights.x - weights.y, weights)));
 }
 
-LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss) {
+LightSample sample_emitter(AreaLightData light, vec3 position, vec2 u, float gloss) {
     // By flux: a binary search in the cumulative distribution.
     uint low = light.first;
     uint high = light.first + light.count - 1u;
@@ -60,39 +60,48 @@ LightSample sample_emitter(AreaLightData light, vec3 origin, vec2 u, float gloss
     vec2 weights = vec2(root * (1.0 - u.y), root * u.y);
     vec3 point = emitter.corner.xyz + emitter.edge_u.xyz * weights.x + emitter.edge_v.xyz * weights.y;
     vec3 normal = normalize(cross(emitter.edge_u.xyz, emitter.edge_v.xyz));
-    vec3 d = point - origin;
+    vec3 d = point - position;
     float squared = dot(d, d);
     float cosine = -dot(normal, d);
     LightSample none = LightSample(normal, 0.0, vec3(0.0), gloss, 0.0);
     if (!(cosine > 0.0 && squared > 0.0) || !emitter_is_opaque(emitter, weights)) return none;
-    vec3 end = point + normal * ray_offset(point) - origin;
+    vec3 end = point + normal * ray_offset(point) - position;
     float reach = length(end);
     float solid_angle = cosine * inversesqrt(squared) / squared; // of a unit of area
     float density = emitter.edge_v.w / (solid_angle * light.area);
     return LightSample(end / reach, reach, emitter.radiance.rgb * (solid_angle / emitter.edge_u.w), gloss, density);
 }
 
-// Samples a point of a light; rays to it begin at `origin`.
-LightSample sample_light(uint index, ShadingPoint point, vec3 origin, vec2 u) {
+// Samples a point of a light, as seen from the surface.
+LightSample sample_light(uint index, ShadingPoint point, vec2 u) {
     if (index >= frame.light_count) {
         AreaLightData light = area_lights.data[index - frame.light_count];
-        return sample_emitter(light, origin, u, gloss_of(light, point));
+        return sample_emitter(light, point.surface.position, u, gloss_of(light, point));
     }
     LightData light = lights.data[index];
     vec3 to_light;
     vec3 irradiance = unshadowed(light, point.surface.position, to_light);
-    LightCone cone = cone_of(light, origin);
+    LightCone cone = cone_of(light, point.surface.position);
     LightSample result = LightSample(vec3(0.0), 0.0, irradiance * gain_of(cone), 1.0, 0.0);
     result.to_light = sample_cone(cone, u, result.reach);
     return result;
 }
 
+// Transmittance of the ray from just off the surface to the sample.
+vec3 sample_transmittance(LightSample light, Surface surface) {
+    if (light.reach <= 0.0) return vec3(1.0);
+    vec3 origin = ray_origin(surface);
+    bool is_far = light.reach >= FAR;
+    vec3 direction = is_far ? light.to_light : surface.position + light.to_light * light.reach - origin;
+    return trace_transmittance(origin, direction, 0.0, is_far ? FAR : 1.0);
+}
+
 // Radiance that the sampled light sends to the eye, over the probability of having chosen it.
-vec3 sampled_radiance(ShadingPoint point, ChosenLight chosen, LightSample light, vec3 origin) {
+vec3 sampled_radiance(ShadingPoint point, ChosenLight chosen, LightSample light) {
     float cosine = dot(point.surface.shading, light.to_light);
     bool faces = cosine > 0.0 && dot(point.surface.geometric, light.to_light) > 0.0;
     if (!faces || light.irradiance == vec3(0.0)) return vec3(0.0);
     vec3 radiance = bsdf_of(point, light.to_light, light.gloss) * light.irradiance * (cosine / chosen.probability);
     if (radiance == vec3(0.0)) return radiance;
-    return radiance * trace_transmittance(origin, light.to_light, 0.0, light.reach);
+    return radiance * sample_transmittance(light, point.surface);
 }

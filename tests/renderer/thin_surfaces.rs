@@ -134,8 +134,11 @@ fn same_but_for(found: &[Vec3], expected: &[Vec3], share: f32, of: &[Vec3]) {
     assert!(wrong.len() * 500 <= found.len(), "{} differ: {:?}", wrong.len(), &wrong[..wrong.len().min(4)]);
 }
 
-/// The transmittance of the thin surfaces between `p` and the light, by rays on the CPU.
+/// The transmittance of the thin surfaces between what is seen at `p` and the light, by rays on the CPU. They begin where those of
+/// the device do: `LIFT` in shaders/include/surface.glsl.
 fn passed_on_the_cpu(scene: &Scene, bvh: &TwoLevelBvh, pose: &Pose, p: Vec3) -> Vec3 {
+    let pixel = 2.0 * (pose.camera.vertical_fov * 0.5).tan() / SIZE[1] as f32;
+    let p = p.lerp(pose.camera.eye, pixel / 32.0);
     let direction = LAMP - p;
     let mut ray = Ray { origin: p + Vec3::Z * 1e-4, direction, t_min: 0.0, t_max: 1.0 };
     let mut passed = Vec3::ONE;

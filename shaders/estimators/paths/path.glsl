@@ -87,14 +87,13 @@ Scattered sample_bsdf(ShadingPoint at, float pick, vec2 u) {
 vec3 next_event_estimation(ShadingPoint at, Reservoir reservoir, vec2 u, inout uint rays) {
     if (!(reservoir.weight > 0.0)) return vec3(0.0);
     float probability = reservoir.weight / reservoir.sum;
-    vec3 origin = ray_origin(at.surface);
     LightSample light;
     if (reservoir.selected == environment_light()) {
         light.to_light = sample_environment(u, light.density);
         light.irradiance = light.density > 0.0 ? environment_radiance(light.to_light, false) / light.density : vec3(0.0);
         light.reach = FAR;
     } else {
-        light = sample_light(reservoir.selected, at, origin, u);
+        light = sample_light(reservoir.selected, at, u);
     }
     float cosine = dot(at.surface.shading, light.to_light);
     if (cosine <= 0.0 || dot(at.surface.geometric, light.to_light) <= 0.0 || light.irradiance == vec3(0.0)) return vec3(0.0);
@@ -105,7 +104,7 @@ vec3 next_event_estimation(ShadingPoint at, Reservoir reservoir, vec2 u, inout u
     }
     if (radiance == vec3(0.0)) return radiance;
     rays++;
-    return radiance * trace_transmittance(origin, light.to_light, 0.0, light.reach);
+    return radiance * sample_transmittance(light, at.surface);
 }
 
 // MIS weight of light found by a scattered ray from `at`; light sampling finds its direction on light `index` with `density`, 1/sr.
