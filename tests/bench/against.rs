@@ -183,7 +183,7 @@ fn a_regression_ends_with_3() {
     let said = String::from_utf8(slower.stdout).unwrap();
     assert!(
         said.contains(
-            "slower  cornell-box, vpls, T = 4, 32 VPLs, n = 1, 72x48, 2 bounces: indirect_shadows "
+            "slower  cornell-box, vpls, T = 4, 32 VPLs, n = 1, 48x32, 2 bounces: indirect_shadows "
         ),
         "{said}"
     );
