@@ -191,6 +191,12 @@ fn the_mean_of_sets_is_that_of_the_path_tracer() {
 }
 
 #[test]
+fn the_mean_of_paths_nears_the_reference_as_frames_are_added() {
+    let settings = Settings { size: [32; 2], indirect: Indirect::PATHS, ..plain() };
+    check_truth("cornell-box", &named_scene("cornell-box", None), &settings);
+}
+
+#[test]
 fn few_still_frames_are_nearer_to_the_reference_than_a_denoised_one() {
     let Some(gpu) = GpuFixture::open() else { return };
     let scene = named_scene("cornell-box", None);
