@@ -34,7 +34,7 @@ pub struct DenoiserInputs<'a> {
     /// `FrameUniforms`.
     pub uniforms: &'a Upload,
     /// rgb: the signal, without the albedo of the surface, RGBA16F; a: how wide a blur is of use, 0: none, 1: as wide as
-    /// [`crate::settings::SvgfSettings::reach`]. A denoiser may overwrite it.
+    /// [`crate::settings::SvgfSettings::filter_radius`]. A denoiser may overwrite it.
     pub noisy: &'a Image,
     /// Variance of its luminance, R32F, if it is known.
     pub variance: Option<&'a Image>,
