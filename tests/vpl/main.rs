@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+#[path = "../support/depth.rs"]
+mod depth;
 mod emission;
 mod energy;
 mod history;
