@@ -8,9 +8,9 @@ struct Surface {
     float lift;     // share of the way to the eye by which rays begin before it
 };
 
-// How many pixels before a visible surface, towards the eye, rays begin. Rasterizers round the corners of triangles (mostly to 1/256 of a
-// pixel), so what a pixel sees may lie beyond the edge of its triangle, behind the wall that stands there. Nothing lies before it. The
-// flatter one looks at that wall, the farther behind it is: this much serves for up to 85 degrees.
+// Distance from a visible surface towards the eye at which its rays begin, pixels. Rasterizers snap the vertices of triangles (mostly to
+// 1/256 of a pixel), so the point at a pixel may lie beyond the edge of its triangle, behind an adjacent wall; between it and the eye nothing
+// lies. The more grazing the view of that wall, the farther behind it the point lies: this serves up to 85 degrees.
 const float LIFT = 1.0 / 32.0;
 
 Surface surface_at(ivec2 pixel) {
@@ -24,8 +24,8 @@ Surface surface_at(ivec2 pixel) {
     return surface;
 }
 
-// Irradiance over that across the unit direction `to_light`: the cosine to the shading normal, and to the direction below the triangle
-// that the triangle mirrors up to this one. Twin: `WorldSurface::received` in src/scene/world_surface.rs.
+// Irradiance on the surface per irradiance across the unit direction `to_light`: the cosine between that and the shading normal, plus the
+// cosine of the direction below the triangle that the triangle mirrors to it. Twin: `WorldSurface::received` in src/scene/world_surface.rs.
 float received(Surface surface, vec3 to_light) {
     float cosine = dot(surface.shading, to_light);
     float above = dot(surface.geometric, to_light);

@@ -40,7 +40,7 @@ layout(push_constant) uniform Push {
 const int MOST_THIN_SURFACES = 256;
 
 // The radiance of punctual lights by both lobes towards the eye.
-vec3 lit_by_lamps(Surface at, Reflection reflection, bool is_glossy) {
+vec3 punctual_radiance(Surface at, Reflection reflection, bool is_glossy) {
     vec3 radiance = vec3(0.0);
     for (uint i = 0u; i < frame.light_count; i++) {
         LightData light = lights.data[i];
@@ -76,7 +76,7 @@ void main() {
         ThinPoint thin = thin_point(hit.material, met.colour);
         vec3 weight = transmittance * thin.coverage;
         Surface at = Surface(met.position, met.shading, met.geometric, hit.t, 0.0);
-        light += weight * (met.emission + lit_by_lamps(at, reflection, reflects(met.bsdf)));
+        light += weight * (met.emission + punctual_radiance(at, reflection, reflects(met.bsdf)));
         vec3 by_irradiance = weight * (reflection.diffuse + reflection.reflected);
         if (shown == 0 && frame.reflection_limit >= 0.0) mirrored = by_irradiance;
         else albedo += by_irradiance;

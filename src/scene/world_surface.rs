@@ -37,8 +37,8 @@ impl WorldSurface {
         self.position + self.geometric_normal * ray_offset(self.position, scene_radius)
     }
 
-    /// Irradiance over that across the unit direction `to_light`: the cosine to the shading normal, and to the direction below the
-    /// triangle that the triangle mirrors up to this one (`reference::path`). Twin: `received` in shaders/include/surface.glsl.
+    /// Irradiance on the surface per irradiance across the unit direction `to_light`: the cosine between that and the shading normal,
+    /// plus the cosine of the direction below the triangle that the triangle mirrors to it (`reference::path`). Twin: `received` in shaders/include/surface.glsl.
     pub(crate) fn received(&self, to_light: Vec3) -> f32 {
         let cosine = self.normal.dot(to_light);
         let above = self.geometric_normal.dot(to_light);
