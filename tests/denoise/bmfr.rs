@@ -192,6 +192,20 @@ fn the_newest_frame_counts_one_over_n() {
 }
 
 #[test]
+fn history_of_which_one_texel_shows_the_surface_counts_in_full() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    let mut bench = bench(&gpu, &BmfrSettings::default());
+    bench.denoise(&wall(|_| Vec3::ONE));
+    let mut moved = wall(|_| Vec3::ONE);
+    // Of the four texels around, the last alone.
+    moved.iter_mut().for_each(|pixel| pixel.reprojected = [0.5, 0.25, 8.0, 0.0]);
+    bench.denoise(&moved);
+    for texel in bench.read(Bmfr::noisy) {
+        assert!((texel.y - 1.0).abs() < 2e-3 && texel.w == 2.0, "{texel}");
+    }
+}
+
+#[test]
 fn a_firefly_is_gone_and_numbers_stay_numbers() {
     let Some(gpu) = GpuFixture::open() else { return };
     let features = BmfrFeatures::parse("1,nx,nx,wx,wx,wx*wx*wx,sqrt(wy),d,d*nx").unwrap();
