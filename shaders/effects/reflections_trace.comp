@@ -169,7 +169,7 @@ Path trace_path(ivec2 pixel, Path path, ShadingPoint visible, uint first_light, 
         path.radiance += path.throughput * invisible_light(at, first_light, pixel, INVISIBLE_DIMENSION + 2u * depth);
         first_light = frame.direct_lights;
         Sampled sampled = sample_reflected(at.reflection, noise(pixel, dimension));
-        float cosine = dot(at.surface.shading, sampled.direction);
+        float cosine = dot(at.reflection.normal, sampled.direction);
         if (sampled.density == 0.0 || cosine <= 0.0) break;
         vec3 through = sampled.density < 0.0 ? fresnel(at.reflection, cosine)
             : reflected_towards_eye(at.reflection, sampled.direction) * (cosine / sampled.density);

@@ -37,11 +37,17 @@ vec3 position_at(ivec2 pixel, float depth) { return frame.eye.xyz + depth * pixe
 // Side of a pixel's footprint at a view depth of 1, on a surface that faces the eye.
 float pixel_footprint() { return length(frame.ray_y.xyz) * 2.0 / float(frame.size.y); }
 
-// How far ray ends are moved off their surfaces at world position p: far beyond the rounding of
-// positions, far below anything that can be seen. Twin: `ray_offset` in src/scene/world_surface.rs.
+float greatest(vec3 v) { return max(v.x, max(v.y, v.z)); }
+
+// What a point of a triangle may be off by, as a part of the coordinates of the triangle's corners, in interpolation and intersection: some
+// roundings. Twin: `ray_offset` in src/scene/world_surface.rs.
+const float CORNER_ROUNDING = 4e-7;
+
+// How far ray ends are moved off their surfaces at world position p: far beyond the rounding of positions, far below anything that can be
+// seen. Rounding grows with the coordinates, and that of rasterized depths, off by 1e-5, with the distance to the eye; rays from what
+// is far from the eye have less to spare than a small part of the scene.
 float ray_offset(vec3 p) {
-    vec3 a = abs(p);
-    return 2e-5 * max(max(a.x, max(a.y, a.z)), 0.2 * frame.eye.w);
+    return 2e-5 * max(greatest(abs(p)), min(distance(p, frame.eye.xyz), 0.2 * frame.eye.w));
 }
 
 float luminance(vec3 rgb) { return dot(rgb, vec3(0.2126, 0.7152, 0.0722)); }

@@ -83,6 +83,7 @@ HitSurface surface_of(TracerHit hit, vec3 direction, RayCone cone) {
     surface.front = dot(area, direction) < 0.0;
     float doubled_area = max(length(area), 1e-30);
     surface.geometric = (surface.front ? area : -area) / doubled_area;
+    surface.position += surface.geometric * (CORNER_ROUNDING * greatest(max(abs(edges.u), abs(edges.v))));
 
     // Texture coordinates, and what of them the cone covers.
     mat3x2 first_set = mat3x2(a.uv, b.uv, c.uv);

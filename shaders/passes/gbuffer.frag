@@ -17,6 +17,7 @@ layout(location = 2) in vec4 uvs;
 layout(location = 3) in vec3 clip_then;
 layout(location = 4) in vec4 tangent;
 layout(location = 5) in vec4 colour;
+layout(location = 6) in float extent;
 
 layout(set = 2, binding = 0) uniform sampler2D base_texture;
 layout(set = 2, binding = 1) uniform sampler2D metallic_roughness_texture;
@@ -69,6 +70,14 @@ vec2 motion() {
     return gl_FragCoord.xy + frame.jitter - (clip_then.xy / clip_then.z * 0.5 + 0.5) * vec2(frame.size);
 }
 
+// View depth, nearer by the rounding that corners far away bring, so that rays do not meet the triangle again: the plane of the triangle is
+// moved along its normal. Twins: `surface_of` in shaders/include/hit.glsl, `ray_offset` in src/scene/world_surface.rs.
+float lifted_depth(vec3 geometric) {
+    float depth = 1.0 / gl_FragCoord.w;
+    float cosine = abs(dot(geometric, pixel_ray(gl_FragCoord.xy - 0.5)));
+    return depth - min(CORNER_ROUNDING * extent / max(cosine, 1e-3), 0.01 * depth);
+}
+
 void main() {
     // Taken before any branch and discard: derivatives need the whole quad.
     vec3 geometric = cross(dFdx(position_ws), dFdy(position_ws));
@@ -103,7 +112,7 @@ void main() {
     if (dot(geometric, to_eye) < 0.0) geometric = -geometric;
     vec3 shading = shading_normal(geometric, texel);
 
-    out_depth = 1.0 / gl_FragCoord.w;
+    out_depth = lifted_depth(geometric);
     out_normal = vec4(octahedral_encode(shading), octahedral_encode(geometric));
     out_albedo = vec4(diffuse_albedo(bsdf, shading, normalize(to_eye)), bsdf.roughness);
     out_instance = uvec2(push.instance + 1u, push.material | (front ? FRONT_FACING : 0u));

@@ -17,10 +17,12 @@ layout(location = 2) out vec4 uvs;
 layout(location = 3) out vec3 clip_then;
 layout(location = 4) out vec4 tangent;
 layout(location = 5) out vec4 colour;
+layout(location = 6) out float extent; // greatest coordinate in the world; that of the triangle's corners sets the rounding of its points
 
 void main() {
     InstanceData instance = instances.data[push.instance];
     position_ws = transform_point(instance.object_to_world, position);
+    extent = greatest(abs(position_ws));
     normal = octahedral_decode(packed_normal);
     uvs = uv.xyxy;
     tangent = vec4(0.0);

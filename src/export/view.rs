@@ -57,11 +57,13 @@ impl Export<'_> {
             .string("pixel_format", if has_background { "rgba" } else { "rgb" })
             .string("component_format", "float32")
             .child(Element::plugin("rfilter", "box"));
+        let bounds = self.scene.bounding_sphere(self.pose);
+        let far = camera.far.min(1.01 * (camera.eye.distance(bounds.center) + bounds.radius));
         Element::plugin("sensor", "perspective")
             .string("fov_axis", "y")
             .float("fov", camera.vertical_fov.to_degrees())
             .float("near_clip", camera.near)
-            .float("far_clip", camera.far)
+            .float("far_clip", far)
             .child(Element::new("transform").attribute("name", "to_world").child(place))
             .child(Element::plugin("sampler", "multijitter").integer("sample_count", "$spp"))
             .child(film)

@@ -153,8 +153,7 @@ mod tests {
         let mut pose = scene.pose(0.0);
         pose.instances = vec![glam::Affine3A::from_translation(Vec3::new(0.0, 0.0, -5.0))];
         let camera = Camera::looking(Vec3::ZERO, Vec3::NEG_Z);
-        let reversed = Camera { near: 100.0, far: 0.1, ..camera };
-        let matrix = reversed.projection_matrix(1.0) * camera.view_matrix();
+        let matrix = camera.projection_matrix(1.0) * camera.view_matrix();
         let draw = |first: u32, x: f32, z: f32| {
             let centre = Vec3::new(x, 0.0, z);
             Draw { instance: 0, material: 0, first, count: 3, bounds: (centre - 0.5, centre + 0.5) }

@@ -6,7 +6,9 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use super::light_sample::{LightSample, ShadowEnd};
 use crate::sampling;
-use crate::scene::{AreaTriangle, BoundingSphere, Mesh, Pose, Scene, SurfacePoint, luminance, ray_offset};
+use crate::scene::{
+    AreaTriangle, BoundingSphere, Mesh, Pose, Scene, SurfacePoint, SurfaceTransform, luminance, ray_offset,
+};
 
 /// The emissive triangles of an instance, in world space.
 #[derive(Clone, Debug)]
@@ -19,7 +21,6 @@ pub(super) struct AreaLight {
     pub(super) power: f32,
     pub(super) bounds: BoundingSphere,
     pub(super) visible: bool,
-    pub(super) scene_radius: f32,
     pub(super) instance: usize,
     /// Factor on the emission of its materials.
     pub(super) factor: Vec3,
@@ -30,6 +31,8 @@ pub(super) struct Emitter {
     pub(super) corners: [Vec3; 3],
     /// Unit normal of the side that emits.
     pub(super) normal: Vec3,
+    /// Greatest magnitudes of what the coordinates of its points are sums of.
+    extent: Vec3,
     /// Where it lies in its mesh, and its mean radiance.
     pub(super) piece: AreaTriangle,
     /// Pdf of a point on it within its light over area, 1/scene unit^2.
@@ -47,7 +50,6 @@ impl AreaLight {
         instance: usize,
         triangles: &[AreaTriangle],
         factor: Vec3,
-        scene_radius: f32,
     ) -> Option<Self> {
         let (mesh, transform) = (&scene.meshes[scene.instances[instance].mesh], &pose.instances[instance]);
         let mut emitters: Vec<Emitter> =
@@ -70,7 +72,6 @@ impl AreaLight {
             power: power as f32,
             bounds,
             visible: scene.instances[instance].visible,
-            scene_radius,
             instance,
             factor,
         })
@@ -79,7 +80,8 @@ impl AreaLight {
     /// World bounds (min, max), padded by more than the rounding error of a hit.
     pub(super) fn padded_bounds(&self) -> (Vec3, Vec3) {
         let (min, max) = bounds_of(&self.triangles);
-        let padding = 10.0 * ray_offset(min.abs().max(max.abs()), self.scene_radius);
+        let padding = 2e-4
+            * self.triangles.iter().fold(Vec3::ZERO, |most, emitter| most.max(emitter.extent)).max_element();
         (min - padding, max + padding)
     }
 
@@ -108,7 +110,7 @@ impl AreaLight {
         let pdf = emitter.area_pdf * squared / cosine;
         Some(LightSample {
             direction,
-            end: ShadowEnd::Point(point + emitter.normal * ray_offset(point, self.scene_radius)),
+            end: ShadowEnd::Point(point + emitter.normal * ray_offset(point, emitter.normal, emitter.extent)),
             irradiance: self.radiance(scene, emitter, weights) / pdf,
             pdf: self.visible.then_some(pdf),
         })
@@ -148,6 +150,8 @@ fn bounds_of(emitters: &[Emitter]) -> (Vec3, Vec3) {
 impl Emitter {
     fn new(scene: &Scene, mesh: &Mesh, transform: &Affine3A, triangle: &AreaTriangle) -> Self {
         let corners = triangle.interpolate(mesh.triangle_positions(triangle.triangle));
+        let local = corners.iter().fold(Vec3::ZERO, |most, corner| most.max(corner.abs()));
+        let extent = SurfaceTransform::new(transform).extent(local);
         let corners = corners.map(|corner| transform.transform_point3(corner));
         let [a, b, c] = corners;
         // Mirroring flips the winding but not the front side.
@@ -157,6 +161,7 @@ impl Emitter {
         Self {
             corners,
             normal,
+            extent,
             piece: *triangle,
             area_pdf: 0.0,
             mask: material.alpha_mask,

@@ -55,7 +55,7 @@ enum PosedLight {
 }
 
 impl Lights {
-    pub(super) fn new(scene: &Scene, pose: &Pose, scene_radius: f32) -> Self {
+    pub(super) fn new(scene: &Scene, pose: &Pose) -> Self {
         let mut direct = Vec::new();
         let mut area = Vec::new();
         let factors = scene.emission_factors(pose);
@@ -63,7 +63,7 @@ impl Lights {
             match &light.kind {
                 LightKind::Area { instance, triangles } => {
                     let factor = factors[*instance];
-                    let posed = AreaLight::new(scene, pose, *instance, triangles, factor, scene_radius);
+                    let posed = AreaLight::new(scene, pose, *instance, triangles, factor);
                     area.extend(posed.map(|posed| (*instance, posed)));
                 }
                 _ => direct.push(PosedLight::Direct(light.clone())),

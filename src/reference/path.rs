@@ -276,7 +276,7 @@ impl Reference<'_> {
         };
         path.throughput *= sampled.weight;
         (path.direction, path.density) = (sampled.direction, sampled.density);
-        let origin = surface.offset_position(self.radius);
+        let origin = surface.offset_position();
         let above = sampled.direction.dot(surface.geometric_normal);
         if above <= 0.0 {
             path.direction -= 2.0 * above * surface.geometric_normal;
@@ -351,7 +351,7 @@ impl Reference<'_> {
 
     /// The shadow ray of a light sample.
     fn shadow_ray(&self, surface: &WorldSurface, light: &LightSample) -> Ray {
-        let origin = surface.offset_position(self.radius);
+        let origin = surface.offset_position();
         match light.end {
             ShadowEnd::Point(end) => Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 },
             ShadowEnd::Distance(t_max) => Ray { origin, direction: light.direction, t_min: 0.0, t_max },

@@ -60,8 +60,6 @@ pub struct Reference<'a> {
     pub(super) lights: Lights,
     /// Whether rays can meet light: area lights, the environment.
     pub(super) any_light_hittable: bool,
-    /// The scene's bounding radius, for ray offsets.
-    pub(super) radius: f32,
     pub(super) size: UVec2,
     pub(super) pixel_rays: [Vec3; 3],
     pub(super) bounces: Option<u32>,
@@ -75,8 +73,7 @@ impl<'a> Reference<'a> {
     pub fn new(scene: &'a Scene, pose: &'a Pose, settings: &ReferenceSettings) -> Self {
         let anchor = scene.anchor();
         let pose = pose.about(anchor);
-        let radius = scene.bounding_sphere(&pose).radius;
-        let lights = Lights::new(scene, &pose, radius);
+        let lights = Lights::new(scene, &pose);
         let size = UVec2::from(settings.size);
         let begun = Instant::now();
         let bvh = TwoLevelBvh::build(scene, &pose.instances);
@@ -90,7 +87,6 @@ impl<'a> Reference<'a> {
             surfaces: Surfaces::new(scene, &pose),
             any_light_hittable: lights.any_hittable() || scene.environment.is_some(),
             lights,
-            radius,
             size,
             pixel_rays: pose.camera.pixel_rays(size.x as f32 / size.y as f32),
             bounces: settings.bounces,

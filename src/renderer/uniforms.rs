@@ -79,8 +79,7 @@ impl Renderer {
     }
 }
 
-/// World to clip space. Near and far are swapped: reversed depth keeps its precision far away.
+/// World to clip space.
 fn view_projection(camera: &Camera, aspect: f32) -> Mat4 {
-    let reversed = Camera { near: camera.far, far: camera.near, ..*camera };
-    reversed.projection_matrix(aspect) * camera.view_matrix()
+    camera.projection_matrix(aspect) * camera.view_matrix()
 }

@@ -167,18 +167,6 @@ impl Animation {
         // The ratio of two times stays in range of f32 where the times do not.
         (after.translation - before.translation) * (span / (after.time - before.time)) as f32
     }
-
-    /// Upper bound of the distance from `origin` that an object resting there reaches, in scene units.
-    pub fn reach(&self, origin: Vec3) -> f32 {
-        let farthest = self.keyframes.iter().map(|key| key.translation.length()).fold(0.0, f32::max);
-        // A Catmull-Rom spline overshoots its keys by less than half of the distance between two of them.
-        let steps = self.keyframes.windows(2).map(|pair| pair[1].translation.distance(pair[0].translation));
-        let orbit = self
-            .rotation
-            .and_then(|rotation| rotation.pivot)
-            .map_or(0.0, |pivot| 2.0 * pivot.distance(origin));
-        farthest + 0.5 * steps.fold(0.0, f32::max) + orbit
-    }
 }
 
 fn hermite(ends: [Vec3; 2], tangents: [Vec3; 2], s: f32) -> Vec3 {

@@ -4,12 +4,11 @@ use glam::{Mat3A, Mat4, Quat, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::animation::Motion;
-use super::bounds::BoundingSphere;
 
 /// Least sine of the angle between view direction and up vector.
 const LEAST_SINE: f32 = 1e-4;
 
-/// A pinhole camera. Right-handed world space, y up; the renderer derives its own reversed depth.
+/// A pinhole camera. Right-handed world space, y up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
@@ -23,7 +22,7 @@ pub struct Camera {
     pub vertical_fov: f32,
     /// View depth of the near plane, > 0.
     pub near: f32,
-    /// View depth of the far plane, > near.
+    /// View depth of the far plane, > near; infinity: none.
     pub far: f32,
     /// How far the pixels' rays are shifted to the right and down, where the picture reaches from -1 to 1: for antialiasing.
     #[serde(skip)]
@@ -31,8 +30,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, y up, with 40 degrees of vertical field of view and depths
-    /// from a thousandth to a hundred times the distance between the two.
+    /// A camera at `eye` that looks at `target`, y up, with 40 degrees of vertical field of view, no far plane, and a near plane at a
+    /// small part of the distance between the two: reversed depth in floats is as precise with any.
     pub fn looking(eye: Vec3, target: Vec3) -> Self {
         let distance = eye.distance(target);
         Self {
@@ -40,8 +39,8 @@ impl Camera {
             target,
             up: Vec3::Y,
             vertical_fov: 40f32.to_radians(),
-            near: 1e-3 * distance,
-            far: 100.0 * distance,
+            near: 1e-5 * distance,
+            far: f32::INFINITY,
             shift: Vec2::ZERO,
         }
     }
@@ -58,13 +57,6 @@ impl Camera {
             return Self { eye, target: eye + motion.rotation * way, up: motion.rotation * self.up, ..*self };
         }
         Self { eye, target: eye + forward, up, ..*self }
-    }
-
-    /// Sets `near` and `far` so that `bounds` is in their range from any eye point within `reach` of this one.
-    pub fn fit_depths(&mut self, bounds: &BoundingSphere, reach: f32) {
-        let away = self.eye.distance(bounds.center) + reach;
-        self.far = 1.01 * (away + bounds.radius);
-        self.near = 2e-4 * self.far;
     }
 
     /// Unit view direction.
@@ -87,10 +79,14 @@ impl Camera {
         [-back + self.shift.x * right + self.shift.y * down, right, down]
     }
 
-    /// View to Vulkan clip space (y down, depth 0 to 1) for a picture of the given width over height.
+    /// View to Vulkan clip space for a picture of the given width over height: y down, reversed depth, 1 at the near plane and 0 at the
+    /// far one, which keeps the precision of floats at any distance.
     pub fn projection_matrix(&self, aspect: f32) -> Mat4 {
-        let centred =
-            glam::camera::rh::proj::vulkan::perspective(self.vertical_fov, aspect, self.near, self.far);
+        use glam::camera::rh::proj::vulkan::{perspective, perspective_infinite_reverse};
+        let centred = match self.far {
+            f32::INFINITY => perspective_infinite_reverse(self.vertical_fov, aspect, self.near),
+            far => perspective(self.vertical_fov, aspect, far, self.near),
+        };
         let shift = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z, (-self.shift).extend(0.0).extend(1.0));
         if self.shift == Vec2::ZERO { centred } else { shift * centred }
     }

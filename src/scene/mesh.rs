@@ -52,6 +52,8 @@ pub struct SurfacePoint {
 pub struct Surface {
     /// Position, on the flat triangle.
     pub position: Vec3,
+    /// Greatest magnitudes of the coordinates of the triangle's corners: the rounding error of `position` grows with them.
+    pub extent: Vec3,
     /// Unit shading normal, interpolated; the geometric normal if the vertex normals cancel out.
     pub normal: Vec3,
     /// Unit normal of the triangle, on its counter-clockwise side.
@@ -90,6 +92,7 @@ impl TriangleSurface {
         let normal = shading.normalize_or(self.geometric_normal);
         Surface {
             position: a * w + b * u + c * v,
+            extent: a.abs().max(b.abs()).max(c.abs()),
             normal,
             geometric_normal: self.geometric_normal,
             mapped_normal: normal,

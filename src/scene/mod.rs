@@ -48,5 +48,5 @@ pub use recording::{RecordedEnvironment, RecordedFrame, RecordedInstance, Record
 pub(crate) use texture::Footprint;
 pub use texture::{linear_to_srgb, srgb_to_linear};
 pub use texture_use::{Attributes, Minified, MipLevels, TextureUse, Wrap};
-pub(crate) use world_surface::SurfaceTransform;
-pub use world_surface::{Side, SidedSurface, WorldSurface, ray_offset};
+pub use world_surface::{Side, SidedSurface, WorldSurface};
+pub(crate) use world_surface::{SurfaceTransform, ray_offset};

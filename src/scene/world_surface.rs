@@ -8,12 +8,12 @@ use super::contents::{Pose, Scene};
 use super::mesh::{Surface, SurfacePoint};
 use super::texture_use::Attributes;
 
-/// Offset of a ray origin along the normal at the surface point `p`, against self-intersection and leaks. Both terms
-/// are lengths in the scene, so it is scale-invariant: the rounding error of `p` grows with its components, and near
-/// the origin with the size of the scene; rasterised depths of large triangles are off by 1e-5. Scenes far from the origin are
-/// rendered about an anchor (`Scene::anchor`).
-pub fn ray_offset(p: Vec3, scene_radius: f32) -> f32 {
-    2e-5 * p.abs().max_element().max(0.2 * scene_radius)
+/// Offset of a ray origin along the unit normal at the surface point `p`, against self-intersection and leaks. The rounding error of `p`
+/// grows with its own components, and along the normal with those of the triangle it was interpolated on, whose greatest magnitudes are
+/// `extent` (Pharr et al. 2023, section 6.8.1); both factors are generous, some 70 to 300 roundings. Intersection is off by a few roundings of the greatest of
+/// these in any direction. Other objects do not count, however large they are. Scenes far from the origin are rendered about an anchor (`Scene::anchor`).
+pub(crate) fn ray_offset(p: Vec3, normal: Vec3, extent: Vec3) -> f32 {
+    (2e-5 * p.abs().max_element()).max(4e-6 * normal.abs().dot(extent)).max(4e-7 * extent.max_element())
 }
 
 /// Least cosine between the normal of a normal map and the flat triangle's: normals beyond are bent up, since light from
@@ -29,12 +29,14 @@ pub struct WorldSurface {
     pub geometric_normal: Vec3,
     /// Unit shading normal, interpolated and by the normal map.
     pub normal: Vec3,
+    /// Distance along the geometric normal at which rays begin and end, scene units.
+    pub ray_offset: f32,
 }
 
 impl WorldSurface {
     /// Origin of a ray from this surface, or end of a shadow ray to it.
-    pub(crate) fn offset_position(&self, scene_radius: f32) -> Vec3 {
-        self.position + self.geometric_normal * ray_offset(self.position, scene_radius)
+    pub(crate) fn offset_position(&self) -> Vec3 {
+        self.position + self.geometric_normal * self.ray_offset
     }
 
     /// Irradiance on the surface per irradiance across the unit direction `to_light`: the cosine between that and the shading normal,
@@ -87,6 +89,12 @@ impl SurfaceTransform {
         Self { transform: *transform, normals: Mat3A::from_cols(x * scale, y * scale, z * scale) }
     }
 
+    /// Greatest magnitudes of what is summed up where a point of magnitudes `local` is transformed to world space.
+    pub(crate) fn extent(&self, local: Vec3) -> Vec3 {
+        let Affine3A { matrix3, translation } = self.transform;
+        Vec3::from(matrix3.abs() * Vec3A::from(local) + translation.abs())
+    }
+
     /// Transforms a unit normal.
     pub(crate) fn normal(&self, normal: Vec3) -> Vec3 {
         Vec3::from(self.normals * Vec3A::from(normal)).normalize_or(normal)
@@ -113,7 +121,8 @@ impl SurfaceTransform {
             normal = if below > 0.0 { (mapped + geometric_normal * below).normalize() } else { mapped };
         }
         let position = self.transform.transform_point3a(local.position.into()).into();
-        let surface = WorldSurface { position, geometric_normal, normal };
+        let ray_offset = ray_offset(position, geometric_normal, self.extent(local.extent));
+        let surface = WorldSurface { position, geometric_normal, normal, ray_offset };
         SidedSurface { front, surface, attributes: local.attributes }
     }
 }

@@ -1,7 +1,7 @@
 //! Placement: VPLs lie where the camera profits, and the mean stays that of all light paths.
 
 use glam::Vec3;
-use glowworm::estimators::vpls::{Gathering, SlotState, VplManager};
+use glowworm::estimators::vpls::{SlotState, VplManager};
 use glowworm::scene::{Camera, Environment, Mesh, WorldSurface, luminance};
 use glowworm::settings::{Settings, VplSettings};
 
@@ -42,13 +42,12 @@ fn manager(stage: &Stage, candidates: u32, seed: u32) -> VplManager {
 /// A point on the wall in front of the camera, and what lights it.
 fn wall() -> WorldSurface {
     let normal = Vec3::NEG_X;
-    WorldSurface { position: Vec3::new(2.0, 1.2, 0.4), geometric_normal: normal, normal }
+    WorldSurface { position: Vec3::new(2.0, 1.2, 0.4), geometric_normal: normal, normal, ray_offset: 1e-4 }
 }
 
 /// Irradiance of the wall, and the number of VPLs that it sees.
 fn seen(stage: &Stage, manager: &VplManager) -> (f32, usize) {
-    let gathering = Gathering { clamp: 0.0, scene_radius: FAR };
-    let all = manager.inspect(stage.world(), &wall(), &gathering);
+    let all = manager.inspect(stage.world(), &wall(), 0.0);
     let visible = all.iter().filter(|one| one.visible);
     (visible.clone().map(|one| luminance(one.irradiance)).sum(), visible.count())
 }

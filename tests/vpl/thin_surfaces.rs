@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::{DVec3, Vec3};
 use glowworm::bvh::Ray;
-use glowworm::estimators::vpls::{Gathering, SlotState, SlotView, VplManager};
+use glowworm::estimators::vpls::{SlotState, SlotView, VplManager};
 use glowworm::reference::{PixelFilter, Reference, ReferenceSettings};
 use glowworm::scene::{Camera, Environment, Material, Mesh, Scene, Side, SurfacePoint, WorldSurface};
 use glowworm::settings::Settings;
@@ -172,9 +172,8 @@ fn the_mean_is_that_of_the_path_tracer() {
                 let settings = Settings { seed, ..settings(2048 * bounces, bounces) };
                 let settings = if choice { settings } else { without_choice(settings) };
                 let manager = VplManager::new(stage.world(), &settings);
-                let gathering = Gathering { clamp: 0.0, scene_radius: 3.5 };
                 for pixel in 0..SIDE * SIDE {
-                    let seen = manager.inspect(stage.world(), &surface_at(&stage, pixel), &gathering);
+                    let seen = manager.inspect(stage.world(), &surface_at(&stage, pixel), 0.0);
                     let visible = seen.iter().filter(|vpl| vpl.visible);
                     found += visible.map(|vpl| vpl.irradiance).sum::<Vec3>() / (seeds * SIDE * SIDE) as f32;
                 }

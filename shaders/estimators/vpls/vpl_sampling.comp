@@ -48,7 +48,7 @@ float visibility_of(ivec2 first, uint index) {
 }
 
 // Surfaces of a block that its weights are taken from.
-const uint SURFACES = 3u;
+const uint SURFACES = 8u;
 
 // Weight with which the texels of a block sample a cluster: its unoccluded irradiance at a few of their surfaces, times its visibility.
 float weight_of(ivec2 first, uint index) {

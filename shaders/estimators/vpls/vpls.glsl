@@ -34,7 +34,7 @@ struct GlossyLobe {
 };
 
 struct GpuVpl {
-    vec3 position;    // on the surface; at infinity the unit direction towards it
+    vec3 position;    // a ray offset above the surface; at infinity the unit direction towards it
     uint slot;
     vec3 normal;      // geometric, of the side that shines
     uint bounce;
@@ -80,6 +80,5 @@ bool crosses_swept_box(vec3 origin, vec4 ray) {
 
 // The occlusion ray from a surface to the VPL: its direction and, in w, the t at which it ends.
 vec4 ray_to(GpuVpl light, vec3 origin) {
-    vec3 end = light.position + light.normal * ray_offset(light.position);
-    return light.at_infinity != 0u ? vec4(light.position, 1e30) : vec4(end - origin, 1.0);
+    return light.at_infinity != 0u ? vec4(light.position, 1e30) : vec4(light.position - origin, 1.0);
 }

@@ -13,7 +13,7 @@ use crate::estimators::vpls::manager::contribution;
 use crate::estimators::vpls::{GpuVpl, VplManager, geometry_bound_of, samples, set_step};
 use crate::renderer::{PreparedScene, camera_ray};
 use crate::sampling::{cosine_hemisphere, random_point};
-use crate::scene::{Pose, Side, SurfacePoint, WorldSurface, ray_offset};
+use crate::scene::{Pose, Side, SurfacePoint, WorldSurface};
 use crate::settings::Settings;
 
 /// Side of a workgroup's block of pixels.
@@ -132,7 +132,7 @@ impl<'a> Pixels<'a> {
             let local = cosine_hemisphere(random_point(index as u32, 1, 0));
             let (x, y) = surface.geometric_normal.any_orthonormal_pair();
             let direction = x * local.x + y * local.y + surface.geometric_normal * local.z;
-            let origin = surface.offset_position(self.scene_radius);
+            let origin = surface.offset_position();
             Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }
         };
         surfaces.iter().cycle().take(count).enumerate().map(ray).collect()
@@ -173,9 +173,8 @@ impl<'a> Pixels<'a> {
         if contribution(vpl, surface, bound) == Vec3::ZERO {
             return None;
         }
-        let origin = surface.offset_position(self.scene_radius);
-        let end = vpl.position + vpl.normal * ray_offset(vpl.position, self.scene_radius);
-        Some(Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 })
+        let origin = surface.offset_position();
+        Some(Ray { origin, direction: vpl.position - origin, t_min: 0.0, t_max: 1.0 })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Questions about VPLs: which of them light a point, and how much.
 
 use super::Vpls;
-use super::manager::{Gathering, VplContribution};
+use super::manager::VplContribution;
 use super::scale::{geometry_bound, median_segment_length};
 use crate::estimators::World;
 use crate::scene::WorldSurface;
@@ -11,8 +11,7 @@ impl Vpls {
     /// The VPLs that face a surface point, visible ones first, then by their irradiance. The sum of these is the indirect
     /// irradiance there, once all sets have been rendered.
     pub fn inspect(&self, world: World<'_>, at: &WorldSurface) -> Vec<VplContribution> {
-        let gathering = Gathering { clamp: self.geometry_bound(), scene_radius: self.scene_radius };
-        self.manager.inspect(world, at, &gathering)
+        self.manager.inspect(world, at, self.geometry_bound())
     }
 }
 

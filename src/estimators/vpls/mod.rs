@@ -36,7 +36,7 @@ use bytemuck::Zeroable;
 #[cfg(feature = "bench")]
 pub(crate) use inspect::geometry_bound_of;
 pub use manager::{
-    Gathering, GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SlotHistory, SlotState, SlotView,
+    GpuVpl, InvalidatedBy, Invalidation, InvalidationReason, SlotHistory, SlotState, SlotView,
     VplContribution, VplCounters, VplManager,
 };
 pub use method::METHOD;

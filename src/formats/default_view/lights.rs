@@ -8,7 +8,7 @@ use super::samples::Sample;
 use super::survey::{ModelSurvey, fraction, median};
 use crate::bvh::Ray;
 use crate::sampling::{Frame, cosine_hemisphere, sequence_point};
-use crate::scene::{AreaTriangle, Camera, Light, LightKind, Side, SurfacePoint, luminance, ray_offset};
+use crate::scene::{AreaTriangle, Camera, Light, LightKind, Side, SurfacePoint, luminance};
 
 /// Height of the light, as a fraction between floor and ceiling.
 const LIGHT_HEIGHT: f32 = 0.8;
@@ -59,7 +59,7 @@ impl<'a> ModelSurvey<'a> {
         match light.kind {
             LightKind::Directional { .. } => {
                 let ray = |point: &Sample| Ray {
-                    origin: point.position + point.normal * ray_offset(point.position, self.radius),
+                    origin: point.offset_position(1.0),
                     direction: -light.direction,
                     t_min: 0.0,
                     t_max: f32::INFINITY,
@@ -112,7 +112,7 @@ impl<'a> ModelSurvey<'a> {
             let barycentrics = emitter.barycentrics(Vec2::splat(1.0 / 3.0));
             let at = SurfacePoint { triangle: emitter.triangle, barycentrics };
             let found = self.scene.surface_at(&self.pose, *instance as u32, at, Side::Front(emitter.front));
-            Sample { position: found.surface.offset_position(self.radius), ..Sample::of(&found) }
+            Sample { position: found.surface.offset_position(), ..Sample::of(&found) }
         };
         some.map(point).collect()
     }
@@ -120,7 +120,7 @@ impl<'a> ModelSurvey<'a> {
     /// Fraction of the directions above the surface visible to `camera`, by the cosine, that lead out of the scene.
     pub fn open_to_sky(&self, camera: &Camera) -> f32 {
         let start = |(index, point): (usize, &Sample)| {
-            let from = point.position + point.normal * ray_offset(point.position, self.radius);
+            let from = point.offset_position(1.0);
             let frame = Frame::around(point.normal);
             let first = (index * SKY_RAYS) as u32;
             (first..first + SKY_RAYS as u32)

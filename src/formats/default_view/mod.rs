@@ -37,7 +37,7 @@ const MIN_LIT_FRACTION: f32 = 0.5;
 /// Fraction of the directions above the visible surface that must lead to the sky, so that it is the light.
 const MIN_OPEN_FRACTION: f32 = 0.3;
 
-/// Places a camera unless the file has one (`given`; its far plane is fitted if it has none) or `seen_by` an eye point,
+/// Places a camera unless the file has one (`given`) or `seen_by` an eye point,
 /// and a light unless its own light what is seen. The error completes a sentence about the file.
 pub(crate) fn add_default_camera_and_light(
     scene: &mut Scene,
@@ -49,14 +49,7 @@ pub(crate) fn add_default_camera_and_light(
         return Err(format!("has hardly any extent (its radius is {radius:e}); scale the model up"));
     }
     match given {
-        Some(mut camera) => {
-            if camera.far <= camera.near {
-                let near = camera.near;
-                camera.fit_depths(&bounds_of(scene), 0.0);
-                (camera.near, camera.far) = (near, camera.far.max(2.0 * near));
-            }
-            scene.camera = camera;
-        }
+        Some(camera) => scene.camera = camera,
         None => place_in_front(scene),
     }
     let is_placed = given.is_none() && seen_by.eye.is_none();
@@ -95,7 +88,6 @@ fn bounds_of(scene: &Scene) -> BoundingSphere {
 
 /// Sets a camera inside the model, with a near plane in front of the nearest visible surface, at distance `nearest`.
 fn place_inside(scene: &mut Scene, mut camera: Camera, nearest: Option<f32>) {
-    camera.fit_depths(&bounds_of(scene), 0.0);
     camera.near = nearest.map_or(camera.near, |nearest| camera.near.min(0.25 * nearest));
     scene.camera = camera;
 }
@@ -125,12 +117,10 @@ fn place_in_front(scene: &mut Scene) {
     let bounds = bounds_of(scene);
     let half_fov = 0.5 * VERTICAL_FOV_DEGREES.to_radians();
     let distance = bounds.radius / half_fov.sin();
-    let mut camera = Camera {
+    scene.camera = Camera {
         vertical_fov: 2.0 * half_fov,
         ..Camera::looking(bounds.center + VIEW.normalize() * distance, bounds.center)
     };
-    camera.fit_depths(&bounds, 0.0);
-    scene.camera = camera;
 }
 
 /// Why a light is made up.

@@ -13,12 +13,20 @@ const SAMPLES: usize = 768;
 pub(super) struct Sample {
     pub position: Vec3,
     pub normal: Vec3,
+    /// Distance along the normal at which rays begin and end.
+    pub ray_offset: f32,
 }
 
 impl Sample {
+    /// Its position, moved off the surface along the normal (`side` 1) or against it (-1).
+    pub fn offset_position(&self, side: f32) -> Vec3 {
+        self.position + self.normal * (side * self.ray_offset)
+    }
+
     /// The sample of a surface, with the normal of its triangle.
     pub fn of(found: &SidedSurface) -> Self {
-        Self { position: found.surface.position, normal: found.surface.geometric_normal }
+        let surface = &found.surface;
+        Self { position: surface.position, normal: surface.geometric_normal, ray_offset: surface.ray_offset }
     }
 }
 

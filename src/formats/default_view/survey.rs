@@ -12,7 +12,7 @@ use super::parts;
 use super::samples::{Sample, samples_of};
 use crate::bvh::{Hit, Ray, TwoLevelBvh, World};
 use crate::sampling::{sequence_point, sphere};
-use crate::scene::{Camera, Pose, Scene, Side, SurfacePoint, ray_offset};
+use crate::scene::{Camera, Pose, Scene, Side, SurfacePoint};
 
 /// One sample of this many is a start for free positions, and is in the coarse subset.
 const COARSE: usize = 4;
@@ -215,14 +215,12 @@ impl<'a> ModelSurvey<'a> {
     /// Positions inside, with a surface below and above: half-way between opposite surfaces, at `height` (0 to 1)
     /// between floor and ceiling.
     pub(super) fn free_positions(&self, height: f32) -> Vec<Vec3> {
-        let offset = |sample: &Sample| sample.normal * ray_offset(sample.position, self.radius);
         let starts: Vec<(Vec3, Vec3)> = self
             .samples
             .iter()
             .step_by(COARSE)
             .flat_map(|sample| {
-                let offset = offset(sample);
-                [(sample.position + offset, sample.normal), (sample.position - offset, -sample.normal)]
+                [(sample.offset_position(1.0), sample.normal), (sample.offset_position(-1.0), -sample.normal)]
             })
             .collect();
         let across = self.distances(&starts);
@@ -254,7 +252,7 @@ impl<'a> ModelSurvey<'a> {
     /// A shadow ray from `from` to the surface at `to`, offset on the side facing `from`.
     pub(super) fn segment(&self, from: Vec3, to: &Sample) -> Ray {
         let side = if to.normal.dot(from - to.position) < 0.0 { -1.0 } else { 1.0 };
-        let end = to.position + to.normal * (side * ray_offset(to.position, self.radius));
+        let end = to.offset_position(side);
         Ray { origin: from, direction: end - from, t_min: 0.0, t_max: 1.0 }
     }
 }

@@ -329,7 +329,7 @@ impl SceneDocument {
             up: Some(camera.up.to_array()),
             vfov_deg,
             near: Some(camera.near),
-            far: Some(camera.far),
+            far: camera.far.is_finite().then_some(camera.far),
             animation: None,
         };
         self.file.camera = Some(entry);

@@ -253,7 +253,7 @@ impl File {
         Ok(())
     }
 
-    /// The perspective camera of a node; near and far are fitted later where the file has no far plane.
+    /// The perspective camera of a node.
     fn camera(&mut self, place: &Placed) -> Result<Option<Camera>, SceneError> {
         let document = Arc::clone(&self.source.document);
         let Some(camera) = place.in_document(&document).camera() else { return Ok(None) };
@@ -265,15 +265,14 @@ impl File {
         let (forward, up) = (axis(Vec3::NEG_Z, Vec3::NEG_Z), axis(Vec3::Y, Vec3::Y));
         let eye = Vec3::from(place.transform.translation);
         let near = lens.znear();
-        let far = lens.zfar().unwrap_or(0.0);
+        let far = lens.zfar().filter(|far| *far > near).unwrap_or(f32::INFINITY);
         let degrees = lens.yfov().to_degrees();
         if !(0.01..=170.0).contains(&degrees)
-            || !near.is_finite()
-            || !far.is_finite()
+            || !(near > 0.0 && near.is_finite())
             || forward.cross(up).length() < 1e-4
         {
             return Err(self.source.error(format!(
-                "camera {}: needs a field of view from 0.01 to 170 degrees and finite planes; export it again",
+                "camera {}: needs a field of view from 0.01 to 170 degrees and a near plane above 0; export it again",
                 camera.index()
             )));
         }

@@ -203,18 +203,13 @@ impl Builder<'_> {
             return Err(entry.error(format!("vfov_deg must be from 0.01 to 170, is {vfov}")));
         }
         self.scene.camera_animation = animation_of(entry, camera.animation.as_ref())?;
-        let mut fitted = Camera { up, vertical_fov: vfov.to_radians(), ..Camera::looking(eye, target) };
-        let bounds = self.scene.bounding_sphere(&self.scene.pose(0.0));
-        let reach = self.scene.camera_animation.as_ref().map_or(0.0, |animation| animation.reach(eye));
-        fitted.fit_depths(&bounds, reach);
-        let far = entry.number("far", camera.far.unwrap_or(fitted.far))?;
-        // A given far plane may be nearer than the fitted near plane.
-        let near = camera.near.unwrap_or(fitted.near.min(1e-3 * far));
-        let near = entry.number("near", near)?;
+        let placed = Camera { up, vertical_fov: vfov.to_radians(), ..Camera::looking(eye, target) };
+        let far = camera.far.map_or(Ok(f32::INFINITY), |far| entry.number("far", far))?;
+        let near = entry.number("near", camera.near.unwrap_or(placed.near.min(1e-3 * far)))?;
         if near <= 0.0 || near >= far {
             return Err(entry.error(format!("near must be above 0 and below far (near {near}, far {far})")));
         }
-        self.scene.camera = Camera { near, far, ..fitted };
+        self.scene.camera = Camera { near, far, ..placed };
         Ok(())
     }
 }

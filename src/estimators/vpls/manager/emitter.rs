@@ -128,9 +128,9 @@ impl Emitter {
 }
 
 /// A ray from a surface, cosine-distributed about its geometric normal.
-pub(super) fn diffuse_ray(surface: &WorldSurface, u: Vec2, scene_radius: f32) -> Ray {
+pub(super) fn diffuse_ray(surface: &WorldSurface, u: Vec2) -> Ray {
     let direction = Frame::around(surface.geometric_normal).to_world(sampling::cosine_hemisphere(u));
-    Ray { origin: surface.offset_position(scene_radius), direction, t_min: 0.0, t_max: f32::INFINITY }
+    Ray { origin: surface.offset_position(), direction, t_min: 0.0, t_max: f32::INFINITY }
 }
 
 /// A ray along the normal of `frame` through a disc that covers the scene, with its weight.
@@ -161,7 +161,7 @@ impl Sky {
         let to_light = self.environment.direction_of(uv);
         let BoundingSphere { center, radius } = self.disc.bounds;
         let position = center + to_light * (1.01 * radius);
-        WorldSurface { position, normal: -to_light, geometric_normal: -to_light }
+        WorldSurface { position, normal: -to_light, geometric_normal: -to_light, ray_offset: 0.0 }
     }
 
     /// The ray of a path's next VPL, with its weight, where `at` is what [`Self::surface`] has given.

@@ -124,7 +124,12 @@ mod tests {
 
     /// On a level surface.
     fn of(bsdf: &Bsdf, incident: Vec3) -> (Vec3, GlossyLobe) {
-        let surface = WorldSurface { position: Vec3::ZERO, geometric_normal: Vec3::Z, normal: Vec3::Z };
+        let surface = WorldSurface {
+            position: Vec3::ZERO,
+            geometric_normal: Vec3::Z,
+            normal: Vec3::Z,
+            ray_offset: 0.0,
+        };
         let (albedo, _, lobe) = GlossyLobe::of(bsdf, &surface, incident, false);
         (albedo, lobe)
     }
@@ -189,7 +194,8 @@ mod tests {
     fn leaning_normals_keep_the_flux_of_uniform_light() {
         for slope in [0.0, 0.2, 0.6, 1.7] {
             let normal = Vec3::new(slope, 0.0, 1.0).normalize();
-            let surface = WorldSurface { position: Vec3::ZERO, geometric_normal: Vec3::Z, normal };
+            let surface =
+                WorldSurface { position: Vec3::ZERO, geometric_normal: Vec3::Z, normal, ray_offset: 0.0 };
             let white = Bsdf::lambertian(Vec3::ONE);
             let flux = |d: Vec3| {
                 let (albedo, gain, _) = GlossyLobe::of(&white, &surface, -d, false);

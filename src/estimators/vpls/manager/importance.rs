@@ -50,7 +50,7 @@ impl Importance {
         let rays: Vec<Ray> = (0..RAYS * visible.len() as u32)
             .map(|index| {
                 let surface = &visible[(index / RAYS) as usize];
-                diffuse_ray(surface, sampling::sequence_point(index, 1, 0), bounds.radius)
+                diffuse_ray(surface, sampling::sequence_point(index, 1, 0))
             })
             .collect();
         let hits = hits(world, &rays, false);

@@ -11,16 +11,7 @@ use super::counters::VplCounters;
 use super::upload::GpuVpl;
 use super::vpl_manager::VplManager;
 use crate::bvh::{Ray, World};
-use crate::scene::{WorldSurface, luminance, ray_offset};
-
-/// Parameters of gathering.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gathering {
-    /// Bound c of the geometry term, 1/m^2; 0: unbounded.
-    pub clamp: f32,
-    /// Radius of the scene, m; ray offsets scale with it.
-    pub scene_radius: f32,
-}
+use crate::scene::{WorldSurface, luminance};
 
 /// The contribution of one VPL to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,22 +27,17 @@ pub struct VplContribution {
 }
 
 impl VplManager {
-    /// The VPLs of all sets that face a surface point, visible ones first, then by descending luminance.
-    pub fn inspect(
-        &self,
-        world: World<'_>,
-        at: &WorldSurface,
-        gathering: &Gathering,
-    ) -> Vec<VplContribution> {
-        let radius = gathering.scene_radius;
-        let start = at.offset_position(radius);
+    /// The VPLs of all sets that face a surface point, visible ones first, then by descending luminance. `clamp` is the bound c of the
+    /// geometry term, 1/m^2; 0: unbounded.
+    pub fn inspect(&self, world: World<'_>, at: &WorldSurface, clamp: f32) -> Vec<VplContribution> {
+        let start = at.offset_position();
         let mut found: Vec<VplContribution> = (0..self.slots.len() as u32)
             .into_par_iter()
             .filter_map(|slot| self.gpu_vpl(world, slot))
-            .map(|vpl| (vpl, contribution(&vpl, at, gathering.clamp)))
+            .map(|vpl| (vpl, contribution(&vpl, at, clamp)))
             .filter(|(_, irradiance)| *irradiance != Vec3::ZERO)
             .map(|(vpl, irradiance)| {
-                let arrives = world.transmittance(&ray_to(&vpl, start, radius));
+                let arrives = world.transmittance(&ray_to(&vpl, start));
                 let visible = arrives != Vec3::ZERO;
                 let irradiance = if visible { irradiance * arrives } else { irradiance };
                 // Where a VPL at infinity is shown.
@@ -104,9 +90,9 @@ impl VplManager {
 }
 
 /// The ray from a point to a VPL.
-fn ray_to(vpl: &GpuVpl, origin: Vec3, scene_radius: f32) -> Ray {
+fn ray_to(vpl: &GpuVpl, origin: Vec3) -> Ray {
     let (direction, t_max) = match vpl.at_infinity {
-        0 => (vpl.position + vpl.normal * ray_offset(vpl.position, scene_radius) - origin, 1.0),
+        0 => (vpl.position - origin, 1.0),
         _ => (vpl.position, f32::INFINITY),
     };
     Ray { origin, direction, t_min: 0.0, t_max }

@@ -32,9 +32,9 @@ mod vpl_manager;
 
 pub use counters::{InvalidatedBy, Invalidation, InvalidationReason, VplCounters};
 pub use glossy_lobe::GlossyLobe;
+pub use inspect::VplContribution;
 #[cfg(feature = "bench")]
 pub(crate) use inspect::contribution;
-pub use inspect::{Gathering, VplContribution};
 pub use slots::{SlotHistory, SlotState, SlotView};
 pub use upload::GpuVpl;
 pub(super) use vpl_manager::VplDistribution;

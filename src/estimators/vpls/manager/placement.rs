@@ -106,13 +106,12 @@ impl Placement {
         let trials = (ALL_TRIALS / emitters.len().max(1) as u32).clamp(1, TRIALS);
         for light in (0..emitters.len()).filter(|&light| others || changed(light)) {
             let (light, emitter) = (light as u32, &emitters[light]);
-            self.of_lights[light as usize] =
-                self.candidates_of(world, (light, emitter), trials, changes.bounds.radius);
+            self.of_lights[light as usize] = self.candidates_of(world, (light, emitter), trials);
         }
     }
 
     /// Number of candidates of a light's slots, estimated from so many paths.
-    fn candidates_of(&self, world: World<'_>, light: (u32, &Emitter), paths: u32, radius: f32) -> [u32; 3] {
+    fn candidates_of(&self, world: World<'_>, light: (u32, &Emitter), paths: u32) -> [u32; 3] {
         let (index, light) = light;
         let point = |path, step| sampling::sequence_point(path, step, index);
         let primary: Vec<WorldSurface> = match light.first_bounce() {
@@ -132,7 +131,7 @@ impl Placement {
             }
         };
         // Find the surfaces that are reached from there.
-        let diffuse = |(surface, path)| diffuse_ray(surface, point(path, 2), radius);
+        let diffuse = |(surface, path)| diffuse_ray(surface, point(path, 2));
         let rays: Vec<Ray> = lit.iter().zip(0..).map(diffuse).collect();
         let later = surfaces_hit(world, &rays);
         // The rarer useful ones are, the more candidates.
@@ -224,6 +223,7 @@ mod tests {
             position: Vec3::new(bounds.center.x, height, bounds.center.z),
             geometric_normal: Vec3::Y * up,
             normal: Vec3::Y * up,
+            ray_offset: 0.0,
         };
         let valid =
             |flux: f32| Slot { state: SlotState::Valid, throughput: Vec3::splat(flux), ..Slot::INVALID };

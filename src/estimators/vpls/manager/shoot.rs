@@ -138,7 +138,7 @@ impl VplManager {
             return Some((ray, Vec3::splat(weight)));
         }
         let (direction, weight) = slot.lobe.sample(parent.geometric_normal, u)?;
-        let origin = parent.offset_position(self.changes.bounds.radius);
+        let origin = parent.offset_position();
         Some((Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY }, weight))
     }
 

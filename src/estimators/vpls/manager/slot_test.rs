@@ -109,8 +109,7 @@ impl VplManager {
     /// Test of the segment from the slot's parent to its surface: the two sides must face each other, the light
     /// must emit in that direction, and nothing opaque may occlude the segment.
     fn test_segment(&self, surface: &WorldSurface, address: &Address, last: Option<Ray>) -> Test {
-        let radius = self.changes.bounds.radius;
-        let end = surface.offset_position(radius);
+        let end = surface.offset_position();
         let towards = |origin| Ray { origin, direction: end - origin, t_min: 0.0, t_max: 1.0 };
         if address.parent != NONE {
             let parent = &self.surfaces[address.parent as usize];
@@ -121,7 +120,7 @@ impl VplManager {
             let leaves = parent.geometric_normal.dot(along) > 0.0;
             let arrives = surface.geometric_normal.dot(along) < 0.0;
             let faces = leaves && arrives;
-            return if faces { Ok(Some(towards(parent.offset_position(radius)))) } else { Err(FacesAway) };
+            return if faces { Ok(Some(towards(parent.offset_position()))) } else { Err(FacesAway) };
         }
         let source = &self.changes.emitters[address.light as usize].source;
         let position = match source {

@@ -19,7 +19,7 @@ use crate::scene::{BoundingSphere, WorldSurface, luminance};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GpuVpl {
-    /// World position, on the surface; at infinity the unit direction towards it.
+    /// World position, a ray offset above the surface; at infinity the unit direction towards it.
     pub position: Vec3,
     /// Slot index.
     pub slot: u32,
@@ -122,10 +122,10 @@ impl VplManager {
             return None;
         }
         let address = &self.assignment.addresses[index];
-        let WorldSurface { position, geometric_normal: normal, .. } =
-            stored.surface(world, address, &self.changes.emitters);
+        let surface = stored.surface(world, address, &self.changes.emitters);
+        let normal = surface.geometric_normal;
         let vpl = GpuVpl {
-            position,
+            position: surface.offset_position(),
             slot,
             normal,
             bounce: address.bounce,
