@@ -116,7 +116,7 @@ pub(super) fn denoise(options: &DenoiseOptions) -> Result<(), CliError> {
     if let Some(json) = json {
         json.save_json(&report)?;
     }
-    say::outcome(&target, &format!("{}: {}\n", options.out.display(), headline(&report)))
+    say::outcome(&target, &format!("{}: {}\n", target.name().display(), headline(&report)))
 }
 
 /// The pictures of `--out`: a file or a sequence, or those of a folder, which is made.

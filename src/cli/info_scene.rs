@@ -17,6 +17,8 @@ const VERTEX: usize = 32;
 const TRIANGLE: usize = 12 + 12 + 48 + 24;
 /// Bytes on the device of a vertex's second texture coordinates or colour.
 const EXTRA: usize = 8;
+/// Bytes on the device of a texel of an environment map: with and without suns, and its share of the distribution.
+const ENVIRONMENT_TEXEL: usize = 4 + 4 + 4;
 
 /// The report of `--json`.
 #[derive(Debug, Serialize)]
@@ -66,6 +68,7 @@ struct Textures {
 struct DeviceMemory {
     geometry: usize,
     textures: usize,
+    environment: usize,
 }
 
 /// Describes the scene `name`.
@@ -101,6 +104,8 @@ impl SceneReport {
         let levels = scene.textures.iter().flat_map(|texture| &texture.levels);
         let bytes = levels.map(|(_, _, texels)| texels.len()).sum();
         let vertices: usize = scene.meshes.iter().map(|mesh| mesh.positions.len()).sum();
+        let map = scene.environment.as_ref().and_then(|environment| environment.map.as_ref());
+        let texels = map.map_or(0, |map| map.texels().2.len());
         let has = |extra: bool| if extra { EXTRA } else { 0 };
         let vertex = VERTEX
             + has(scene.meshes.iter().any(|mesh| !mesh.second_uvs.is_empty()))
@@ -127,28 +132,31 @@ impl SceneReport {
             device_memory: DeviceMemory {
                 geometry: vertices * vertex + mesh_triangles * TRIANGLE,
                 textures: bytes,
+                environment: texels * ENVIRONMENT_TEXEL,
             },
         }
     }
 
     fn describe(&self) -> String {
         let Self { textures, device_memory: memory, animated, .. } = self;
-        let geometry = format!(
-            "{} triangles in {} instances of {} meshes ({} triangles), {} materials",
-            self.triangles, self.instances, self.meshes, self.mesh_triangles, self.materials
-        );
+        let geometry = [
+            counted(self.triangles, "triangle"),
+            counted(self.instances, "instance"),
+            format!("{} {}", self.meshes, if self.meshes == 1 { "mesh" } else { "meshes" }),
+            counted(self.materials, "material"),
+        ];
         let lights = self.lights.iter().map(|(kind, count)| format!("{count} {kind}"));
         let cameras =
             if self.cameras == 0 { "none; one is made up".to_owned() } else { self.cameras.to_string() };
         let moving = [
-            (animated.instances > 0).then(|| format!("{} instances", animated.instances)),
-            (animated.lights > 0).then(|| format!("{} lights", animated.lights)),
+            (animated.instances > 0).then(|| counted(animated.instances, "instance")),
+            (animated.lights > 0).then(|| counted(animated.lights, "light")),
             animated.camera.then(|| "the camera".to_owned()),
             (self.recorded_frames > 0).then(|| format!("a recording of {} frames", self.recorded_frames)),
         ];
         let lines = [
             ("scene", self.scene.clone()),
-            ("geometry", geometry),
+            ("geometry", geometry.join(", ")),
             ("lights", listed(lights)),
             ("cameras", cameras),
             ("animated", listed(moving.into_iter().flatten())),
@@ -158,10 +166,11 @@ impl SceneReport {
             (
                 "device memory",
                 format!(
-                    "about {}: geometry {}, textures {}; frames take more, by --size",
-                    mebibytes(memory.geometry + memory.textures),
+                    "about {}: geometry {}, textures {}, environment {}; twice that while it is uploaded; frames take more, by --size",
+                    mebibytes(memory.geometry + memory.textures + memory.environment),
                     mebibytes(memory.geometry),
-                    mebibytes(memory.textures)
+                    mebibytes(memory.textures),
+                    mebibytes(memory.environment)
                 ),
             ),
         ];
@@ -172,6 +181,10 @@ impl SceneReport {
 fn listed(items: impl Iterator<Item = String>) -> String {
     let items: Vec<_> = items.collect();
     if items.is_empty() { "none".to_owned() } else { items.join(", ") }
+}
+
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 fn mebibytes(bytes: usize) -> String {

@@ -141,7 +141,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
 /// Why clap refuses `arguments`, with the help that says what would do.
 fn refusal(error: &clap::Error, arguments: &[OsString]) -> CliError {
     let command = Arguments::command();
-    let names = arguments.iter().skip(1).map(|argument| argument.to_string_lossy());
+    let names: Vec<_> = arguments.iter().skip(1).map(|argument| argument.to_string_lossy()).collect();
+    if error.kind() == ErrorKind::ArgumentConflict
+        && names[0].starts_with('-')
+        && let Some(name) = names.iter().find(|name| command.find_subcommand(&***name).is_some())
+    {
+        let option = &names[0];
+        return CliError::Usage(format!(
+            "{option}: options stand behind the subcommand; see glowworm {name} --help"
+        ));
+    }
     let Some(name) = names.into_iter().find(|name| !name.starts_with('-')) else {
         return CliError::usage(error, "glowworm --help");
     };
@@ -264,6 +273,7 @@ mod tests {
             (vec!["cornel-box", "-x"], "(did you mean cornell-box?)", program),
             (vec!["my.toml", "--vlps", "1"], "--vpls", program),
             (vec!["--frames", "3"], "--frames", program),
+            (vec!["-q", "render", "a.obj"], "-q: options stand behind the subcommand", render),
             (vec!["render", "a.obj", "-o", "a.png", "-q", "-v"], "cannot be used with", render),
         ] {
             let message = refused(&arguments);

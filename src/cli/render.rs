@@ -197,7 +197,7 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     if let Some(json) = json {
         json.save_json(&report)?;
     }
-    say::outcome(&target, &format!("{}: {}\n", options.out.display(), report.headline()))
+    say::outcome(&target, &format!("{}: {}\n", target.name().display(), report.headline()))
 }
 
 /// Fails if the report would overwrite a picture of this run or the scene.

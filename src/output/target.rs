@@ -40,6 +40,11 @@ impl PictureTarget {
         Ok(Self { name, is_standard_output, is_exr, layers })
     }
 
+    /// Its name as it was given, or "standard output".
+    pub fn name(&self) -> &Path {
+        self.name.path()
+    }
+
     /// Whether the picture goes to standard output, where then nothing else may.
     pub fn is_standard_output(&self) -> bool {
         self.is_standard_output
