@@ -80,7 +80,8 @@ impl OutputFile {
     }
 
     fn temporary(&self) -> Result<Temporary, OutputError> {
-        Temporary::of(&self.final_path()).map_err(|source| self.error(source))
+        let target = self.final_path();
+        Temporary::of(&target, &folder_of(&target)).map_err(|source| self.error(source))
     }
 
     /// The target of symbolic links, so that it is replaced, not the link.

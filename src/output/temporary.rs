@@ -8,8 +8,6 @@ use std::io::{self, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::file::folder_of;
-
 /// Those that are there now.
 static PRESENT: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
@@ -38,8 +36,8 @@ pub(super) struct Temporary {
 }
 
 impl Temporary {
-    /// Makes one for `target`, in its folder.
-    pub fn of(target: &Path) -> io::Result<Self> {
+    /// Makes one for `target`, in its `folder`.
+    pub fn of(target: &Path, folder: &Path) -> io::Result<Self> {
         let old = match fs::metadata(target) {
             Ok(old) => Some(old),
             Err(error) if error.kind() == ErrorKind::NotFound => None,
@@ -59,7 +57,7 @@ impl Temporary {
         #[cfg(unix)]
         builder.permissions(permissions);
         let mut present = present();
-        let made = if is_regular { builder.tempfile_in(folder_of(target))? } else { builder.tempfile()? };
+        let made = if is_regular { builder.tempfile_in(folder)? } else { builder.tempfile()? };
         let (file, path) = made.keep().map_err(|error| error.error)?;
         present.push(path.clone());
         drop(present);

@@ -47,7 +47,7 @@ fn scenes_are_described_without_a_device() {
         "animations     fly\n",
         "extensions     KHR_lights_punctual, KHR_materials_unlit\n",
         "textures       0, 0.0 MiB\n",
-        "device memory  about 0.0 MiB",
+        "device memory  about 0.4 MiB: geometry 0.0 MiB, ",
     ] {
         assert!(text.contains(line), "{line:?} is not in {text}");
     }
