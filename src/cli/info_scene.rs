@@ -166,7 +166,7 @@ impl SceneReport {
             (
                 "device memory",
                 format!(
-                    "about {}: geometry {}, textures {}, environment {}; twice that while it is uploaded; frames take more, by --size",
+                    "about {}: geometry {}, textures {}, environment {}; more while it is uploaded, and for frames, by --size",
                     mebibytes(memory.geometry + memory.textures + memory.environment),
                     mebibytes(memory.geometry),
                     mebibytes(memory.textures),
