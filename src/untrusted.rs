@@ -47,6 +47,15 @@ pub(crate) fn one_line(text: &str) -> String {
     printable(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
+/// The name that a misspelt one most likely stands for, if any does.
+pub(crate) fn nearest<'a>(text: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let similar = names.into_iter().map(|name| (strsim::jaro(text, name), name));
+    similar
+        .filter(|(similarity, _)| *similarity > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, name)| name)
+}
+
 /// Text in UTF-8, or in UTF-16 with a byte-order mark; none if it is neither.
 pub(crate) fn unicode_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
@@ -104,6 +113,21 @@ mod tests {
             assert_eq!(one_line(text), line);
         }
         assert_eq!(printable("a\tb\n\u{1b}c"), "a\tb\n\\u{1b}c");
+    }
+
+    #[test]
+    fn misspelt_names_are_known() {
+        let names = ["render", "reference", "cornell-box", "cathedral"];
+        for (text, name) in [
+            ("rendr", Some("render")),
+            ("cornel-box", Some("cornell-box")),
+            ("cornellbox", Some("cornell-box")),
+            ("catedral", Some("cathedral")),
+            ("frobnicate", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(text, names), name, "{text}");
+        }
     }
 
     #[test]

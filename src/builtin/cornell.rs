@@ -78,6 +78,7 @@ pub(crate) fn cornell_box() -> Scene {
     scene.add_area_light(0);
     // Published: at (278, 273, -800) along +z, focal length 0.035 and film 0.025 high.
     let eye = Vec3::new(278.0, 273.0, -800.0) * MILLIMETRE;
+    scene.files.cameras = 1;
     scene.camera = Camera {
         vertical_fov: 2.0 * (0.5f32 * 0.025 / 0.035).atan(),
         near: 0.01,

@@ -7,17 +7,16 @@ use std::sync::Arc;
 use toml::Value;
 
 use super::micro::{MicroOptions, micro};
-use super::options::RunOptions;
+use super::options::{RunOptions, count, folder};
 use super::progress::controlled;
 use super::table_text::text;
 use super::{CliError, device, say};
 use crate::bench::{
-    Axis, Bench, BenchError, Comparison, Folder, Method, Noise, Plan, Report, Sweep, compare_reports,
-    lacks_models, read_report, tables,
+    Axis, Bench, BenchError, Comparison, Folder, MICRO_FILE, Method, Noise, Plan, Report, Sweep,
+    compare_reports, lacks_models, read_report, tables,
 };
 use crate::builtin::{BENCH_SCENES, BENCH_SCENES_OF_ASSETS};
 use crate::estimators;
-use crate::output::OutputFile;
 use crate::settings::{GivenSettings, Settings};
 use crate::vulkan::Device;
 
@@ -62,11 +61,11 @@ pub(super) struct BenchOptions {
     pub models: bool,
     /// Frames to measure in each run; fewer than the temporal sets miss some sets. More: narrower confidence intervals.
     /// Otherwise that of --against, or 240, or on a CPU device the most temporal sets, but at least 20.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(1..=100_000))]
     pub frames: Option<u32>,
     /// Measurements of each setting. From two on, confidence intervals come from the variance between rounds. Otherwise
     /// that of --against, or 2.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(1..=1000))]
     pub rounds: Option<u32>,
     /// Methods to measure side by side, such as vpls,vpls@T=1,none@direct=soft,reference@4: an estimator with settings, or the
     /// path tracer with samples a pixel; all: each of them. Otherwise that of the settings.
@@ -77,7 +76,7 @@ pub(super) struct BenchOptions {
     pub quality: bool,
     /// Samples a pixel of the path tracer's pictures for --quality. More: less noise counts as an error. 0: compare with the first
     /// run of each scene instead. Otherwise that of --against, or 1024.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 20))]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(0..=1 << 20))]
     pub spp: Option<u32>,
     /// Report what is faster, slower, better or worse than in this bench.json, and exit with 3 if anything is slower or worse.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
@@ -88,10 +87,10 @@ pub(super) struct BenchOptions {
     pub micro: bool,
     /// Most rays in a set. More: less noise in the rates.
     #[arg(long, value_name = "N", default_value = "262144", requires = "micro")]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    #[arg(value_parser = count::<u32>(1..=1 << 24))]
     pub rays: u32,
     /// Folder of the report; an earlier report in it is replaced once the new one is complete.
-    #[arg(long, value_name = "DIR", default_value = "glowworm-bench", help_heading = "Files")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder(), default_value = "glowworm-bench", help_heading = "Files")]
     pub out: PathBuf,
     /// Resume the interrupted run in the folder; options that are not given keep their values.
     #[arg(long, help_heading = "Files")]
@@ -209,7 +208,8 @@ impl SweptSettings {
 
 /// Measures, reports and compares.
 pub(super) fn bench(options: &BenchOptions) -> Result<(), CliError> {
-    let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
+    let main_file = if options.micro { MICRO_FILE } else { "report.html" };
+    let json = options.run.files.report.check([options.out.join(main_file)])?;
     // Read it before anything is written: the new report may replace it.
     let old = options.against.as_deref().map(read_report).transpose()?;
     let folder = Folder::new(&options.out)?;

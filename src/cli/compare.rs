@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use super::compare_report::{self, CompareReport};
+use super::options::{ReportOptions, count};
 use super::progress::frames_bar;
 use super::{CliError, say};
 use crate::metrics::{
@@ -40,7 +41,7 @@ pub(super) struct CompareArguments {
     #[arg(long, value_name = "EV", value_parser = parse_stops, allow_negative_numbers = true)]
     pub exposure: Option<f32>,
     /// Side in pixels of the blocks whose mean luminances are compared.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = count::<u32>(1..=1 << 20))]
     pub blocks: u32,
     /// Also measure display luminance, Rec. 709 weights on display values: RMSE, SSIM and, for a sequence, temporal error.
     #[arg(long)]
@@ -62,9 +63,8 @@ pub(super) struct CompareArguments {
     /// Plot the metrics of a sequence over its frames: .svg or .png.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub plot: Option<PathBuf>,
-    /// Write the metrics to FILE.
-    #[arg(long, value_name = "FILE", help_heading = "Files")]
-    pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub report: ReportOptions,
 }
 
 /// Error of a heat map.
@@ -112,7 +112,7 @@ impl<'a> Job<'a> {
             return Err(CliError::Usage(format!("--heatmap {}: must end in .png", heatmap.path().display())));
         }
         let plot = arguments.plot.as_ref().map(PlotFile::new).transpose()?;
-        let json = arguments.json.as_ref().map(OutputFile::new).transpose()?;
+        let json = arguments.report.check(plot.iter().map(|plot| plot.file().path().to_owned()))?;
         let frames = match &arguments.frames {
             Some(frames) => given_frames(frames, &image, &reference)?,
             None if image.is_sequence() => all_frames(&image, &reference)?,
@@ -120,6 +120,11 @@ impl<'a> Job<'a> {
         };
         let job = Self { arguments, image, reference, frames, heatmap, plot, json };
         job.check_apart()?;
+        let heatmaps = job.heatmap.iter().flat_map(|heatmap| {
+            let drawn = job.frames.clone().filter(|&frame| job.is_drawn(heatmap, frame));
+            drawn.map(|frame| heatmap.path_of(frame))
+        });
+        arguments.report.check_new(heatmaps)?;
         Ok(job)
     }
 

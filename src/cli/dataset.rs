@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::options::FileOptions;
+use super::options::{FileOptions, count, folder};
 use super::progress::interruption;
 use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, progress, say};
 use crate::dataset::{Dataset, DatasetPlan};
-use crate::output::OutputFile;
 use crate::scene::CameraOverride;
 use crate::settings::parser_of;
 
@@ -42,19 +41,19 @@ pub(super) struct DatasetOptions {
     #[command(flatten)]
     pub scene: SceneOptions,
     /// Frames of its animation.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000), default_value = "60")]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(1..=1_000_000), default_value = "60")]
     pub frames: u32,
     /// Paths per pixel of the noisy pictures. More: less noise.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16), default_value = "1")]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(1..=16), default_value = "1")]
     pub samples: u32,
     /// Paths per pixel of the reference; 0: no reference. More: less noise, about as 1 / sqrt(N).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "4096")]
+    #[arg(long, value_name = "N", value_parser = count::<u64>(0..=1_000_000_000), default_value = "4096")]
     pub spp: u64,
     /// Seed of the samples. Otherwise the scene's, or 0.
     #[arg(long, value_name = "N", value_parser = parser_of("seed"), allow_negative_numbers = true)]
     pub seed: Option<String>,
     /// Folder to write to, new or empty.
-    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder(), help_heading = "Files")]
     pub out: PathBuf,
     /// Resume the interrupted run in the folder, with the same options.
     #[arg(long, help_heading = "Files")]
@@ -66,7 +65,7 @@ pub(super) struct DatasetOptions {
 /// Renders the data set.
 pub(super) fn dataset(options: &DatasetOptions) -> Result<(), CliError> {
     let given = options.scene.given(&[("seed", &options.seed)]);
-    let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
+    let json = options.files.report.check([])?;
     let LoadedScene { scene, settings, .. } = load(
         &options.scene.name,
         &given,

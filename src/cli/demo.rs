@@ -31,11 +31,13 @@ pub(super) struct DemoOptions {
 
 /// Shows the scene in a window. Without a display it warns and renders the scene to a file in the current folder.
 pub(super) fn demo(options: DemoOptions) -> Result<(), CliError> {
+    let report = &options.run.files.report;
+    report.check_new(options.contact_sheet.iter().chain(&report.json).cloned())?;
     let launch = Launch {
         scene: options.scene.clone(),
         given: options.settings.clone(),
         assets: options.run.files.assets_folder(),
-        json: options.run.files.json.clone(),
+        json: report.json.clone(),
         device: options.run.device.device.clone(),
         validate: options.run.device.validate,
         cache: cache_folder(),

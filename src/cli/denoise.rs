@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::options::DeviceOptions;
+use super::options::{DeviceOptions, ReportOptions};
 use super::progress::frames_bar;
 use super::{CliError, device, say};
 use crate::dataset::{DatasetDenoiser, DatasetError, DatasetFrames, DenoisedFrame, Layout};
@@ -34,12 +34,11 @@ pub(super) struct DenoiseOptions {
     #[arg(long, value_name = "NAME", value_enum)]
     pub layout: Option<Layout>,
     /// Pictures to write, .exr (linear, 32 bits) or .png (tone-mapped, 8 bits): every frame if the name has a {frame} or {frame:04},
-    /// else the last; or a folder for denoised{frame}.exr.
-    #[arg(long, value_name = "FILE|DIR", help_heading = "Files")]
+    /// else the last; or a folder for denoised{frame}.exr; -: a PNG to standard output.
+    #[arg(short, long, value_name = "FILE|DIR", help_heading = "Files")]
     pub out: PathBuf,
-    /// Write what was measured to FILE.
-    #[arg(long, value_name = "FILE", help_heading = "Files")]
-    pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub report: ReportOptions,
     #[command(flatten)]
     pub device: DeviceOptions,
     #[command(flatten)]
@@ -72,7 +71,7 @@ pub(super) fn denoise(options: &DenoiseOptions) -> Result<(), CliError> {
         .map_err(|error| CliError::Settings { scene: options.folder.display().to_string(), error })?;
     let dataset = DatasetFrames::open(&options.folder, options.layout)?;
     let target = target(&options.out)?;
-    let json = options.json.as_ref().map(OutputFile::new).transpose()?;
+    let json = options.report.check(target.pictures(dataset.frames().into()))?;
     check_apart(options, &target, json.as_ref(), dataset.frames())?;
     let device = device::open(&options.device)?;
     let mut denoiser = None;
@@ -117,12 +116,12 @@ pub(super) fn denoise(options: &DenoiseOptions) -> Result<(), CliError> {
     if let Some(json) = json {
         json.save_json(&report)?;
     }
-    say::print(&format!("{}: {}\n", options.out.display(), headline(&report)))
+    say::outcome(&target, &format!("{}: {}\n", target.name().display(), headline(&report)))
 }
 
 /// The pictures of `--out`: a file or a sequence, or those of a folder, which is made.
 fn target(out: &Path) -> Result<PictureTarget, CliError> {
-    let is_picture = out.extension().is_some() && !out.is_dir();
+    let is_picture = out == "-" || out.extension().is_some() && !out.is_dir();
     if is_picture {
         return Ok(PictureTarget::new(out, false)?);
     }
@@ -158,8 +157,7 @@ fn check_apart(
     if let Some(json) = json.filter(|json| is_of_dataset(json.path())) {
         return wrong("--json", json.path(), "a file of the data set");
     }
-    let pictures = (0..u64::from(frames)).filter(|&frame| target.wants(frame, frames.into()));
-    if let Some(path) = pictures.map(|frame| target.path_of(frame)).find(|path| is_of_dataset(path)) {
+    if let Some(path) = target.pictures(frames.into()).find(|path| is_of_dataset(path)) {
         return wrong("--out", &path, "a file of the data set");
     }
     Ok(())

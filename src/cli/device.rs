@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::options::DeviceOptions;
+use super::progress::preparing;
 use super::{CliError, say};
+use crate::activity;
 use crate::vulkan::{Device, Instance, InstanceOptions};
 
 /// Loads Vulkan, with validation if requested.
@@ -13,7 +15,8 @@ pub(super) fn instance(options: &DeviceOptions) -> Result<Arc<Instance>, CliErro
 
 /// Opens the device that the options name, or the best one.
 pub(super) fn open(options: &DeviceOptions) -> Result<Arc<Device>, CliError> {
-    Ok(Device::open(&instance(options)?, options.device.as_deref())?)
+    activity::begin("opening the device");
+    preparing(|| Ok(Device::open(&instance(options)?, options.device.as_deref())?))
 }
 
 /// Notes that the device is a slow CPU.

@@ -18,6 +18,9 @@ use crate::renderer::RenderError;
 use crate::settings::SettingsError;
 use crate::vulkan::VulkanError;
 
+/// Exit code of an interrupted run: 128 + SIGINT, as of shells.
+pub(super) const INTERRUPTED: u8 = 130;
+
 /// A failed run. Its text is one line that names the file or option at fault.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
@@ -80,6 +83,19 @@ pub enum CliError {
         /// The reason.
         reason: String,
     },
+    /// The file is there, and is not to be replaced.
+    #[error("{0}: is there already; give another name, or leave --no-overwrite out")]
+    Exists(PathBuf),
+    /// Rendering was interrupted.
+    #[error("interrupted after {done} of {frames} frames; {}", if *.kept { "their pictures are written" } else { "nothing was written" })]
+    Stopped {
+        /// Complete frames.
+        done: u64,
+        /// Requested frames.
+        frames: u64,
+        /// Whether their pictures are there.
+        kept: bool,
+    },
     /// A reference was interrupted.
     #[error(
         "interrupted after {samples} of {spp} samples per pixel; {}{}",
@@ -125,14 +141,14 @@ impl From<BenchError> for CliError {
 }
 
 impl CliError {
-    /// A command line that clap refuses, in one line.
-    pub(super) fn usage(error: &clap::Error) -> Self {
+    /// A command line that clap refuses, in one line that ends with the `help` to see.
+    pub(super) fn usage(error: &clap::Error, help: &str) -> Self {
         let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
         if let Some(allowed) = error.source() {
             let option = context(ContextKind::InvalidArg);
             let name = option.split_whitespace().next().unwrap_or_default();
             let value = context(ContextKind::InvalidValue);
-            return Self::Usage(format!("{name} {value}: {allowed}; see glowworm --help"));
+            return Self::Usage(format!("{name} {value}: {allowed}; see {help}"));
         }
         let text = error.render().to_string();
         let parts: Vec<_> = text
@@ -141,13 +157,18 @@ impl CliError {
             .flat_map(str::split_whitespace)
             .collect();
         let message = parts.join(" ");
-        Self::Usage(format!("{}; see glowworm --help", message.trim_start_matches("error: ")))
+        Self::Usage(format!("{}; see {help}", message.trim_start_matches("error: ")))
     }
 
-    /// 2 for wrong usage, 3 for a slowdown, 1 for everything else.
+    /// 2 for wrong usage, 3 for a slowdown, 130 for an interruption, 1 for everything else.
     pub fn exit_code(&self) -> u8 {
         let is_usage = match self {
             Self::Regression { .. } => return 3,
+            Self::Stopped { .. }
+            | Self::Interrupted { .. }
+            | Self::Dataset(DatasetError::Interrupted { .. }) => return INTERRUPTED,
+            #[cfg(feature = "bench")]
+            Self::Bench(BenchError::Stopped { .. } | BenchError::Interrupted { .. }) => return INTERRUPTED,
             Self::Usage(_) => true,
             Self::Settings { error, .. } => error.is_usage(),
             Self::Output(error) => error.is_usage(),
@@ -162,8 +183,8 @@ impl CliError {
             | Self::Reference(_)
             | Self::Dataset(_)
             | Self::Window(_)
+            | Self::Exists(_)
             | Self::Resume { .. }
-            | Self::Interrupted { .. }
             | Self::Validation { .. }
             | Self::StandardOutput(_) => false,
         };

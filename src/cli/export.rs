@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::options::{CameraOptions, FileOptions};
+use super::options::{CameraOptions, FileOptions, count, folder};
 use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, say};
 use crate::export::{ExportFolder, ExportReport, ExportSettings, SCENE_FILE, export_mitsuba};
-use crate::output::OutputFile;
 use crate::scene::Scene;
 use crate::settings::Settings;
 
@@ -27,15 +26,15 @@ pub(super) struct ExportOptions {
     #[arg(long, value_enum, default_value = "mitsuba")]
     pub format: Format,
     /// Frame of the scene's animation, from 0.
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
+    #[arg(long, value_name = "K", value_parser = count::<u64>(0..=1_000_000_000), default_value = "0")]
     pub frame: u64,
     /// Samples per pixel, overridden by `mitsuba -D spp=N`.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), default_value = "256")]
+    #[arg(long, value_name = "N", value_parser = count::<u32>(1..=1_000_000_000), default_value = "256")]
     pub spp: u32,
     #[command(flatten)]
     pub camera: CameraOptions,
     /// Folder to write to: new, empty, or an earlier export, which is replaced.
-    #[arg(long, value_name = "DIR", help_heading = "Files")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder(), help_heading = "Files")]
     pub out: PathBuf,
     #[command(flatten)]
     pub files: FileOptions,
@@ -46,7 +45,7 @@ pub(super) fn export(options: &ExportOptions) -> Result<(), CliError> {
     let Format::Mitsuba = options.format;
     options.camera.check()?;
     let folder = ExportFolder::new(&options.out)?;
-    let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
+    let json = options.files.report.check([folder.path().join(SCENE_FILE)])?;
     if let Some(json) = &json
         && (folder.may_write(json) || json.is_same(Path::new(&options.scene.name)))
     {

@@ -1,34 +1,44 @@
-//! `glowworm info`: the Vulkan devices, or the passes of a frame.
+//! `glowworm info`: the Vulkan devices, a scene, the passes of a frame, or the program itself.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
 
 use clap::CommandFactory;
 use serde::Serialize;
 
-use super::options::DeviceOptions;
+use super::info_scene::info_scene;
+use super::options::{DeviceOptions, FileOptions};
 use super::options_page::page;
+use super::scene::AnimationOption;
 use super::{Arguments, CliError, device, say};
 use crate::estimators;
-use crate::output::OutputFile;
 use crate::report::COMMIT;
 use crate::vulkan::{Device, DeviceInfo};
 
 /// Options of `info`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_override_self = true)]
+#[command(group = clap::ArgGroup::new("what").args(["scene", "passes", "options", "completions", "man"]))]
 pub(super) struct InfoOptions {
+    /// Describe this scene in place of the devices: a built-in one, a scene file (.toml) or a model (.obj, .gltf, .glb).
+    pub scene: Option<String>,
     /// List the passes of a frame in order, each with the method that runs it, in place of the devices.
     #[arg(long)]
     pub passes: bool,
     /// Print docs/OPTIONS.md, the page of all options, in place of the devices.
-    #[arg(long, conflicts_with_all = ["passes", "json"])]
+    #[arg(long, conflicts_with = "json")]
     pub options: bool,
+    /// Print the completions of a shell: for bash, source <(glowworm info --completions bash).
+    #[arg(long, value_name = "SHELL", value_enum, conflicts_with = "json")]
+    pub completions: Option<clap_complete::Shell>,
+    /// Print the manual page of the program or of a subcommand, such as with | man -l -.
+    #[arg(long, value_name = "COMMAND", num_args = 0..=1, default_missing_value = "glowworm", conflicts_with = "json")]
+    pub man: Option<String>,
+    #[command(flatten)]
+    pub animation: AnimationOption,
     #[command(flatten)]
     pub device: DeviceOptions,
-    /// Write the list to FILE.
-    #[arg(long, value_name = "FILE", help_heading = "Files")]
-    pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub files: FileOptions,
 }
 
 #[derive(Debug, Serialize)]
@@ -51,12 +61,24 @@ struct PassInfo {
     method: &'static str,
 }
 
-/// Lists the passes, or the devices, best first, and marks the one that would be used. Fails if none is usable.
+/// Describes the scene, the passes, or the program; or lists the devices, best first, and marks the one that would be used, and
+/// fails if none is usable.
 pub(super) fn info(options: &InfoOptions) -> Result<(), CliError> {
     if options.options {
         return say::print(&page(&Arguments::command()));
     }
-    let json = options.json.as_ref().map(OutputFile::new).transpose()?;
+    if let Some(shell) = options.completions {
+        let mut script = Vec::new();
+        clap_complete::generate(shell, &mut Arguments::command(), "glowworm", &mut script);
+        return say::print(&String::from_utf8_lossy(&script));
+    }
+    if let Some(name) = &options.man {
+        return say::print(&manual(name)?);
+    }
+    if let Some(name) = &options.scene {
+        return info_scene(name, &options.animation, &options.files);
+    }
+    let json = options.files.report.check([])?;
     if options.passes {
         let passes =
             estimators::passes().map(|(method, pass)| PassInfo { name: pass.name, method }).collect();
@@ -77,6 +99,19 @@ pub(super) fn info(options: &InfoOptions) -> Result<(), CliError> {
     }
     opened?;
     device::check_validation(&instance.validation_messages())
+}
+
+/// The manual page of the program or of a subcommand, as roff.
+fn manual(name: &str) -> Result<String, CliError> {
+    let mut program = Arguments::command();
+    program.build();
+    let command = if name == "glowworm" { Some(&program) } else { program.find_subcommand(name) };
+    let Some(command) = command else {
+        return Err(CliError::Usage(format!("--man {name}: is no subcommand; see glowworm --help")));
+    };
+    let mut page = Vec::new();
+    clap_mangen::Man::new(command.clone()).render(&mut page).map_err(CliError::StandardOutput)?;
+    Ok(String::from_utf8_lossy(&page).into_owned())
 }
 
 fn describe(report: &InfoReport) -> String {

@@ -1,6 +1,7 @@
 //! The command line: parses arguments, runs a subcommand, maps errors to exit codes.
 //!
-//! Exit codes: 0 done; 1 failed; 2 wrong usage; 3 slower than an earlier benchmark. A failure is one line on standard error.
+//! Exit codes: 0 done; 1 failed; 2 wrong usage; 3 slower than an earlier benchmark; 130 interrupted. A failure is one line on
+//! standard error.
 
 #[cfg(feature = "bench")]
 mod bench;
@@ -17,6 +18,7 @@ mod error;
 #[cfg(feature = "export")]
 mod export;
 mod info;
+mod info_scene;
 #[cfg(not(all(feature = "window", feature = "bench", feature = "export")))]
 mod lacking;
 #[cfg(feature = "bench")]
@@ -46,13 +48,15 @@ use std::ffi::OsString;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::builtin;
 use crate::formats::SceneError;
+use crate::untrusted::nearest;
 
 /// Real-time global illumination by temporally interleaved instant radiosity, on Vulkan.
 ///
 /// Without a subcommand it is `demo`.
 #[derive(Debug, Parser)]
-#[command(name = "glowworm", version, args_conflicts_with_subcommands = true)]
+#[command(name = "glowworm", version, propagate_version = true, args_conflicts_with_subcommands = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
@@ -61,6 +65,13 @@ struct Arguments {
     /// Log more: -v notes, -vv details. `RUST_LOG` overrides it.
     #[arg(short, long, action = clap::ArgAction::Count, global = true)]
     verbose: u8,
+    /// No progress and no notes, only warnings and errors.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Threads of the work on the CPU: path tracing, loading, building BVHs, tracing light paths. Otherwise one for each of its
+    /// cores.
+    #[arg(long, value_name = "N", value_parser = options::count::<usize>(1..=1024), global = true)]
+    threads: Option<usize>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -81,7 +92,7 @@ enum Command {
     Export(export::ExportOptions),
     /// Compare a picture or a sequence with its reference.
     Compare(compare::CompareArguments),
-    /// List the Vulkan devices, what each can do, and which would be used; or the passes of a frame.
+    /// List the Vulkan devices, what each can do, and which would be used; or describe a scene, or the program.
     Info(info::InfoOptions),
 }
 
@@ -90,15 +101,24 @@ enum Command {
 /// # Errors
 /// The failure, to be printed with [`say_error`]; exit with [`CliError::exit_code`].
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError> {
-    let matches = match Arguments::command().try_get_matches_from(arguments) {
-        Ok(matches) => matches,
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let parsed = Arguments::command().try_get_matches_from(&arguments);
+    let arguments = match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
+        Ok(parsed) => parsed,
         Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             return say::print(&error.render().to_string());
         }
-        Err(error) => return Err(CliError::usage(&error)),
+        Err(error) => return Err(refusal(&error, &arguments)),
     };
-    let arguments = Arguments::from_arg_matches(&matches).map_err(|error| CliError::usage(&error))?;
+    if arguments.quiet {
+        say::be_quiet();
+    }
     say::start_log(arguments.verbose);
+    progress::watch_interruptions();
+    if let Some(threads) = arguments.threads {
+        // Fails if the threads are there, as in tests; then they stay.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    }
     match arguments.command {
         Some(Command::Demo(options)) => demo::demo(options),
         Some(Command::Render(options)) => render::render(&options),
@@ -110,12 +130,47 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), CliError
         Some(Command::Compare(options)) => compare::compare(&options),
         Some(Command::Info(options)) => info::info(&options),
         None => demo::demo(arguments.demo).map_err(|error| match error {
-            CliError::Scene(SceneError::NotFound(name)) if name.extension().is_none() => CliError::Usage(
-                format!("{}: neither a subcommand nor a scene; see glowworm --help", name.display()),
-            ),
+            CliError::Scene(SceneError::NotFound(name)) if name.extension().is_none() => {
+                neither(&name.to_string_lossy())
+            }
             other => other,
         }),
     }
+}
+
+/// Why clap refuses `arguments`, with the help that says what would do.
+fn refusal(error: &clap::Error, arguments: &[OsString]) -> CliError {
+    let command = Arguments::command();
+    let names: Vec<_> = arguments.iter().skip(1).map(|argument| argument.to_string_lossy()).collect();
+    if error.kind() == ErrorKind::ArgumentConflict
+        && names[0].starts_with('-')
+        && let Some(name) = names.iter().find(|name| command.find_subcommand(&***name).is_some())
+    {
+        let option = &names[0];
+        return CliError::Usage(format!(
+            "{option}: options stand behind the subcommand; see glowworm {name} --help"
+        ));
+    }
+    let Some(name) = names.into_iter().find(|name| !name.starts_with('-')) else {
+        return CliError::usage(error, "glowworm --help");
+    };
+    if command.find_subcommand(&*name).is_some() {
+        return CliError::usage(error, &format!("glowworm {name} --help"));
+    }
+    // Of what follows an unknown name, no error is the first one.
+    let is_first = arguments.get(1).is_some_and(|first| *first == *name);
+    if is_first && !name.contains(['.', '/', '\\']) && !builtin::NAMES.contains(&&*name) {
+        return neither(&name);
+    }
+    CliError::usage(error, "glowworm --help")
+}
+
+/// The error about a name of nothing.
+fn neither(name: &str) -> CliError {
+    let command = Arguments::command();
+    let known = command.get_subcommands().map(clap::Command::get_name).chain(builtin::NAMES);
+    let like = nearest(name, known).map_or_else(String::new, |like| format!(" (did you mean {like}?)"));
+    CliError::Usage(format!("{name}: neither a subcommand nor a scene{like}; see glowworm --help"))
 }
 
 #[cfg(all(test, feature = "window", feature = "bench", feature = "export"))]
@@ -128,8 +183,9 @@ mod tests {
     }
 
     fn refused(arguments: &[&str]) -> String {
-        let error = Arguments::try_parse_from([&["glowworm"], arguments].concat()).unwrap_err();
-        let error = CliError::usage(&error);
+        let arguments = [&["glowworm"], arguments].concat();
+        let error = Arguments::try_parse_from(&arguments).unwrap_err();
+        let error = refusal(&error, &arguments.iter().map(OsString::from).collect::<Vec<_>>());
         assert_eq!(error.exit_code(), 2);
         error.to_string()
     }
@@ -192,18 +248,37 @@ mod tests {
 
     #[test]
     fn wrong_usage_is_one_line() {
-        for (arguments, says) in [
-            (vec!["render"], "<SCENE>"),
-            (vec!["render", "cornell-box"], "--out"),
-            (vec!["render", "cornell-box", "--out", "a.png", "--frames", "0"], "--frames"),
-            (vec!["render", "cornell-box", "--out", "a.png", "--vlps", "1"], "--vpls"),
-            (vec!["render", "cornell-box", "--out", "a.png", "--vpls", "x"], "--vpls"),
-            (vec!["rendr", "cornell-box"], "cornell-box"),
-            (vec!["--frames", "3"], "--frames"),
+        let (program, render) = ("see glowworm --help", "see glowworm render --help");
+        for (arguments, says, help) in [
+            (vec!["render"], "<SCENE>", render),
+            (vec!["render", "cornell-box"], "--out", render),
+            (vec!["render", "cornell-box", "--out", "a.png", "--frames", "0"], "--frames", render),
+            (vec!["render", "cornell-box", "--out", "a.png", "--vlps", "1"], "--vpls", render),
+            (vec!["render", "cornell-box", "--out", "a.png", "--vpls", "x"], "--vpls", render),
+            (
+                vec!["reference", "a.obj", "-o", "a", "--spp", "1e-1"],
+                "--spp 1e-1: must be",
+                "reference --help",
+            ),
+            (
+                vec!["export", "a.obj", "-o", "-"],
+                "only a single picture goes to standard output",
+                "export --help",
+            ),
+            (
+                vec!["rendr", "cornell-box"],
+                "rendr: neither a subcommand nor a scene (did you mean render?)",
+                program,
+            ),
+            (vec!["cornel-box", "-x"], "(did you mean cornell-box?)", program),
+            (vec!["my.toml", "--vlps", "1"], "--vpls", program),
+            (vec!["--frames", "3"], "--frames", program),
+            (vec!["-q", "render", "a.obj"], "-q: options stand behind the subcommand", render),
+            (vec!["render", "a.obj", "-o", "a.png", "-q", "-v"], "cannot be used with", render),
         ] {
             let message = refused(&arguments);
             assert!(message.contains(says) && !message.contains('\n'), "{message}");
-            assert!(message.ends_with("see glowworm --help"), "{message}");
+            assert!(message.ends_with(help), "{message}");
         }
     }
 }

@@ -1,18 +1,41 @@
 //! Options that subcommands share, apart from the settings.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::Vec3;
 
 use super::CliError;
+use crate::output::OutputFile;
 use crate::scene::{CameraOverride, MAX_COORDINATE, Scene};
+use crate::settings::read_whole;
+
+/// Parser of a whole number in a range, such as 1000 or 1e3.
+pub(super) fn count<Number: TryFrom<u64>>(
+    range: RangeInclusive<u64>,
+) -> impl Fn(&str) -> Result<Number, String> + Clone {
+    move |text| {
+        let number = read_whole(text).filter(|number| range.contains(number));
+        let wrong = || format!("must be a whole number, {} to {}", range.start(), range.end());
+        number.and_then(|number| Number::try_from(number).ok()).ok_or_else(wrong)
+    }
+}
+
+/// Parser of the name of a folder to write.
+pub(super) fn folder() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|folder| match folder.as_os_str() == "-" {
+        true => Err("must be a folder; only a single picture goes to standard output"),
+        false => Ok(folder),
+    })
+}
 
 /// Overrides of the scene's camera.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Camera")]
 pub(super) struct CameraOptions {
     /// Eye point, in scene units. Otherwise the scene's. With --eye or --target the camera does not move, and
-    /// its near and far planes enclose the whole scene.
+    /// its near and far planes do not count.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     eye: Option<Vec3>,
     /// The point at the centre of the picture, in scene units. Otherwise the scene's. Looking straight up or down, -z is up in the
@@ -90,9 +113,33 @@ pub(super) struct FileOptions {
     /// environment variable `GLOWWORM_ASSETS`.
     #[arg(long, value_name = "DIR", help_heading = "Files")]
     assets: Option<PathBuf>,
-    /// Write what was measured to FILE.
+    #[command(flatten)]
+    pub report: ReportOptions,
+}
+
+/// The report of a run, and whether its files may replace others.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct ReportOptions {
+    /// Write what was measured or listed to FILE, as JSON.
     #[arg(long, value_name = "FILE", help_heading = "Files")]
     pub json: Option<PathBuf>,
+    /// Fail before the work begins if a file to be written is there already.
+    #[arg(long, help_heading = "Files")]
+    no_overwrite: bool,
+}
+
+impl ReportOptions {
+    /// The file of --json, checked. Fails with --no-overwrite if it or another one of the `outputs` is there.
+    pub fn check(&self, outputs: impl IntoIterator<Item = PathBuf>) -> Result<Option<OutputFile>, CliError> {
+        self.check_new(outputs.into_iter().chain(self.json.clone()))?;
+        Ok(self.json.as_ref().map(OutputFile::new).transpose()?)
+    }
+
+    /// Fails with --no-overwrite if one of the `outputs` is there.
+    pub fn check_new(&self, outputs: impl IntoIterator<Item = PathBuf>) -> Result<(), CliError> {
+        let is_there = |path: &PathBuf| self.no_overwrite && path.symlink_metadata().is_ok();
+        outputs.into_iter().find(is_there).map_or(Ok(()), |path| Err(CliError::Exists(path)))
+    }
 }
 
 impl FileOptions {

@@ -12,7 +12,7 @@ const BEGINNING: &str = "\
 a repeated option counts.
 
 Exit codes: 0 done; 1 failed, with one line on standard error that names the file, line or option at fault; 2 wrong usage;
-3 `bench --against` found a slowdown. A file on disk is replaced only by a complete new one.
+3 `bench --against` found a slowdown; 130 interrupted. A file on disk is replaced only by a complete new one.
 
 ## Settings
 

@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::options::{CameraOptions, FileOptions};
+use super::options::{CameraOptions, FileOptions, count};
 use super::progress::interruption;
 use super::scene::{LoadedScene, SceneOptions, load};
 use super::{CliError, progress, say};
-use crate::output::{OutputFile, Picture, PictureTarget, Tones, tone_map};
+use crate::output::{Picture, PictureTarget, Tones, tone_map};
 use crate::reference::{Film, Identity, PixelFilter, Progress, Reference, ReferenceError, ReferenceSettings};
 use crate::report::{COMMIT, LoadTimes};
 use crate::scene::Scene;
@@ -34,10 +34,10 @@ pub(super) struct ReferenceOptions {
     #[command(flatten)]
     pub scene: SceneOptions,
     /// Total samples per pixel. More: less noise, about as 1 / sqrt(N).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000), default_value = "256")]
+    #[arg(long, value_name = "N", value_parser = count::<u64>(1..=1_000_000_000), default_value = "256")]
     pub spp: u64,
     /// Frame of the scene's animation, from 0.
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(0..=1_000_000_000), default_value = "0")]
+    #[arg(long, value_name = "K", value_parser = count::<u64>(0..=1_000_000_000), default_value = "0")]
     pub frame: u64,
     /// Positions of paths in a pixel: all over it (box) for antialiased edges, or at its centre (center) for the edges
     /// of `render`.
@@ -54,9 +54,9 @@ pub(super) struct ReferenceOptions {
     pub tone_map: Option<String>,
     #[command(flatten)]
     pub camera: CameraOptions,
-    /// Picture to write: .exr (linear, 32 bits) or .png (tone-mapped, 8 bits). It is saved periodically, so that an
-    /// aborted run leaves one.
-    #[arg(long, value_name = "FILE", help_heading = "Files")]
+    /// Picture to write: .exr (linear, 32 bits) or .png (tone-mapped, 8 bits), saved periodically, so that an aborted run leaves
+    /// one; -: a PNG to standard output, at the end.
+    #[arg(short, long, value_name = "FILE", help_heading = "Files")]
     pub out: PathBuf,
     /// Add to an .exr: direct light (of point, spot and directional lights) and its shadows, indirect light (as irradiance),
     /// albedo, normal, position, depth, instance.
@@ -101,7 +101,7 @@ pub(super) fn reference(options: &ReferenceOptions) -> Result<(), CliError> {
     if options.resume && !target.is_linear() {
         return Err(CliError::Usage("--resume: needs an .exr as --out".to_owned()));
     }
-    let json = options.files.json.as_ref().map(OutputFile::new).transpose()?;
+    let json = options.files.report.check(target.picture(options.frame))?;
     if let Some(json) = &json
         && (json.is_same(&target.path_of(options.frame)) || json.is_same(Path::new(&options.scene.name)))
     {
@@ -214,7 +214,8 @@ impl<'a> Run<'a> {
                 progress.set_message(percent(relative_error(film)));
             }
             let pause = SAVING_INTERVAL.max(saving_took * SAVING_SHARE);
-            if film.samples() < self.options.spp && saved.is_none_or(|saved| saved.elapsed() >= pause) {
+            let is_wanted = film.samples() < self.options.spp && !self.target.is_standard_output();
+            if is_wanted && saved.is_none_or(|saved| saved.elapsed() >= pause) {
                 let begun = Instant::now();
                 self.save(film)?;
                 saving_took = begun.elapsed();
@@ -277,13 +278,16 @@ impl<'a> Run<'a> {
         if report.interrupted {
             return Err(CliError::Interrupted { path, samples, spp, resumable: self.target.is_linear() });
         }
-        say::print(&format!(
-            "{}: {samples} samples per pixel, error {} of the mean luminance, {:.1} s, {:.2} million samples/s\n",
-            path.display(),
-            percent(report.relative_error),
-            report.seconds,
-            report.samples_per_second * 1e-6,
-        ))
+        say::outcome(
+            &self.target,
+            &format!(
+                "{}: {samples} samples per pixel, error {} of the mean luminance, {:.1} s, {:.2} million samples/s\n",
+                path.display(),
+                percent(report.relative_error),
+                report.seconds,
+                report.samples_per_second * 1e-6,
+            ),
+        )
     }
 }
 

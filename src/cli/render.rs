@@ -3,10 +3,11 @@
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use super::options::{CameraOptions, RunOptions};
-use super::progress::{frames_bar, preparing};
+use super::options::{CameraOptions, RunOptions, count};
+use super::progress::{frames_bar, interruption, preparing};
 use super::scene::{AnimationOption, LoadedScene, load};
 use super::{CliError, device, say};
 use crate::dataset::LiveDataset;
@@ -29,14 +30,14 @@ pub(super) struct RenderOptions {
     pub scene: String,
     /// Frames to render. Otherwise those of the recording, or one per temporal set, which completes a stationary
     /// picture.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = count::<u64>(1..=1_000_000))]
     pub frames: Option<u64>,
     /// Animation time of the last frame, seconds; those before it lead up to it by --time-step. Otherwise frame 0 is at 0.
     #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
     pub time: Option<f64>,
     /// Picture to write: .png (tone-mapped, 8 bits) or .exr (linear, 32 bits); the last frame, or every
-    /// frame if the name has a {frame} or {frame:04}.
-    #[arg(long, value_name = "FILE", help_heading = "Files")]
+    /// frame if the name has a {frame} or {frame:04}; -: a PNG to standard output.
+    #[arg(short, long, value_name = "FILE", help_heading = "Files")]
     pub out: PathBuf,
     /// Add the G-buffer, direct and indirect light to an .exr as layers.
     #[arg(long, help_heading = "Files")]
@@ -140,7 +141,8 @@ fn parse_time(text: &str) -> Result<f64, String> {
 pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     options.camera.check()?;
     let target = PictureTarget::new(&options.out, options.layers)?;
-    let json = options.run.files.json.as_ref().map(OutputFile::new).transpose()?;
+    let report_options = &options.run.files.report;
+    let json = report_options.check(target.pictures(1))?;
     let device = device::open(&options.run.device)?;
     let LoadedScene { mut scene, settings, load_ms } = load(
         &options.scene,
@@ -159,6 +161,7 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     if let Some(json) = &json {
         check_apart(json, &target, frames, options)?;
     }
+    report_options.check_new(target.pictures(frames))?;
     device::note_slow(&device);
     let mut dataset =
         options.dataset.as_ref().map(|folder| dataset(folder, &scene, &settings)).transpose()?;
@@ -194,7 +197,7 @@ pub(super) fn render(options: &RenderOptions) -> Result<(), CliError> {
     if let Some(json) = json {
         json.save_json(&report)?;
     }
-    say::print(&format!("{}: {}\n", options.out.display(), report.headline()))
+    say::outcome(&target, &format!("{}: {}\n", target.name().display(), report.headline()))
 }
 
 /// Fails if the report would overwrite a picture of this run or the scene.
@@ -260,9 +263,18 @@ fn render_frames(
     exposure: Option<f32>,
     mut dataset: Option<&mut LiveDataset>,
 ) -> Result<Rendered, CliError> {
+    let stop = interruption();
     let progress = frames_bar(frames);
     let (mut intervals, mut extreme) = (Vec::new(), None);
     for frame in 0..frames {
+        if stop.load(Ordering::Relaxed) {
+            progress.finish_and_clear();
+            return Err(CliError::Stopped {
+                done: frame,
+                frames,
+                kept: frame > 0 && target.wants(0, frames),
+            });
+        }
         let begun = Instant::now();
         replay.next_frame()?;
         intervals.push(begun.elapsed().as_secs_f64() * 1e3);

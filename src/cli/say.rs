@@ -9,7 +9,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use log::{Level, LevelFilter};
 
 use super::CliError;
+use crate::output::PictureTarget;
 use crate::untrusted;
+
+/// Whether notes and progress are left out.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Leaves notes and progress out from now on.
+pub(super) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether notes and progress are left out.
+pub(super) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
 
 /// Prints why the run failed, in one line.
 pub fn say_error(error: &CliError) {
@@ -26,7 +40,23 @@ pub(super) const BLACK: &str = "the picture is black: the camera sees no surface
 
 /// Prints a note, in one line.
 pub(super) fn note(message: &str) {
-    say("note", message);
+    if !is_quiet() {
+        say("note", message);
+    }
+}
+
+/// Prints that the program ends at once.
+pub(super) fn interrupted() {
+    say("error", "interrupted");
+}
+
+/// Prints the outcome of a run: as a note if standard output has the picture.
+pub(super) fn outcome(target: &PictureTarget, text: &str) -> Result<(), CliError> {
+    if target.is_standard_output() {
+        note(text);
+        return Ok(());
+    }
+    print(text)
 }
 
 fn say(kind: &str, message: &str) {

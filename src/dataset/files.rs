@@ -5,13 +5,14 @@
 //! `motion{f}.exr`; and `frame{f}.json`, where everything stands. Of those that the renderer writes, also `live{f}.exr`: the images that
 //! its denoiser was given and those that its output is joined with, as they were.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Mat4, Vec3};
 use serde::{Deserialize, Serialize};
 
-use super::DatasetError;
 use super::matrices;
+use super::{DatasetError, STATE_FILE};
 use crate::denoise::SignalNoise;
 use crate::estimators;
 use crate::output::{Layer, OutputError, OutputFile, Picture};
@@ -66,15 +67,24 @@ pub(super) fn path_of(folder: &Path, name: &str, frame: u32, ending: &str) -> Pa
 /// Fails if a folder is there and not empty.
 pub(super) fn check_empty(folder: &Path, what_to_do: &str) -> Result<(), DatasetError> {
     let has_files = std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
-    if has_files { Err(DatasetError::of(folder, format!("is not empty; {what_to_do}"))) } else { Ok(()) }
+    let holds = if folder.join(STATE_FILE).exists() { "holds a data set" } else { "is not empty" };
+    if has_files { Err(DatasetError::of(folder, format!("{holds}; {what_to_do}"))) } else { Ok(()) }
 }
 
-/// Makes a folder that is not there.
-pub(super) fn create(folder: &Path) -> Result<(), OutputError> {
-    if folder.is_dir() {
-        return Ok(());
+/// Makes a folder that is not there, and locks it against other runs until the lock is dropped.
+pub(super) fn claim(folder: &Path) -> Result<Option<File>, DatasetError> {
+    if !folder.is_dir() {
+        std::fs::create_dir(folder)
+            .map_err(|source| OutputError::Write { path: folder.to_owned(), source })?;
     }
-    std::fs::create_dir(folder).map_err(|source| OutputError::Write { path: folder.to_owned(), source })
+    // Some systems open no folders, and some file systems have no locks: then nothing is locked.
+    let Ok(opened) = File::open(folder) else { return Ok(None) };
+    match opened.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            Err(DatasetError::of(folder, "another run writes a data set there; give another folder"))
+        }
+        _ => Ok(Some(opened)),
+    }
 }
 
 /// Writes a picture of R, G and B.
@@ -140,6 +150,7 @@ pub struct LiveDataset {
     folder: PathBuf,
     scene: String,
     matrices: Vec<Mat4>,
+    _lock: Option<File>,
 }
 
 impl LiveDataset {
@@ -162,9 +173,9 @@ impl LiveDataset {
     /// # Errors
     /// If the folder holds anything or cannot be created.
     pub fn new(folder: &Path, scene: &str) -> Result<Self, DatasetError> {
+        let lock = claim(folder)?;
         check_empty(folder, "give a new folder for the data set")?;
-        create(folder)?;
-        Ok(Self { folder: folder.to_owned(), scene: scene.to_owned(), matrices: Vec::new() })
+        Ok(Self { folder: folder.to_owned(), scene: scene.to_owned(), matrices: Vec::new(), _lock: lock })
     }
 
     /// Writes the renderer's last frame, which stood as in `pose`. Every frame is to be written, in order.

@@ -25,6 +25,7 @@ pub use denoise::{DatasetDenoiser, DenoisedFrame};
 pub use files::LiveDataset;
 pub use read::{DatasetFrames, Layout};
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -137,18 +138,20 @@ struct State {
 }
 
 /// A folder for a data set.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Dataset {
     folder: PathBuf,
     state: State,
+    _lock: Option<File>,
 }
 
 impl Dataset {
     /// Starts in `folder`, which must be new or empty, or with `resume` continues an earlier run of the same plan.
     ///
     /// # Errors
-    /// If the folder holds anything else or cannot be created.
+    /// If the folder holds anything else, another run writes to it, or it cannot be created.
     pub fn new(folder: &Path, plan: DatasetPlan, resume: bool) -> Result<Self, DatasetError> {
+        let lock = files::claim(folder)?;
         let error = |path: &Path, reason: String| Err(DatasetError::of(path, reason));
         let mut state = State { plan, done: 0 };
         let file = folder.join(STATE_FILE);
@@ -171,9 +174,8 @@ impl Dataset {
         } else {
             files::check_empty(folder, "give a new folder, or --resume to continue a data set")?;
         }
-        files::create(folder)?;
         OutputFile::new(&file)?;
-        Ok(Self { folder: folder.to_owned(), state })
+        Ok(Self { folder: folder.to_owned(), state, _lock: lock })
     }
 
     /// Frames that are complete.

@@ -186,12 +186,11 @@ fn build(request: LoadRequest, launch: &Launch, sender: &Sender<Message>) -> Res
     Ok(Built { name, document, scene, read, settings, renderer, same })
 }
 
-/// Runs `work` in a thread pool of its own, on at most half of the cores. In the global pool, a frame that waits
+/// Runs `work` in a thread pool of its own, on at most half as many threads. In the global pool, a frame that waits
 /// for a small task could steal a large one; in a shared one, loading would wait for the path tracer.
 pub(super) fn in_own_pool<T: Send>(name: &'static str, work: impl FnOnce() -> T + Send) -> T {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let pool = ThreadPoolBuilder::new()
-        .num_threads((cores / 2).max(1))
+        .num_threads((rayon::current_num_threads() / 2).max(1))
         .thread_name(move |index| format!("{name} {index}"))
         .build();
     match pool {

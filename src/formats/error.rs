@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::builtin;
-use crate::untrusted::one_line;
+use crate::untrusted::{nearest, one_line};
 
 /// A file and, if known, a line. Displays as `file` or `file:line`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,7 +35,7 @@ impl fmt::Display for Place {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// Neither a built-in scene nor a file.
-    #[error("no such scene: {}; give a .toml, .obj, .gltf or .glb file, or a built-in scene: {}", .0.display(), builtin::NAMES.join(", "))]
+    #[error("no such scene: {}{}; give a .toml, .obj, .gltf or .glb file, or a built-in scene: {}", .0.display(), did_you_mean(.0), builtin::NAMES.join(", "))]
     NotFound(PathBuf),
     /// A file of an unsupported type.
     #[error("{}: not a scene; give a .toml scene file, an .obj, .gltf or .glb model or one of: {}", .0.display(), builtin::NAMES.join(", "))]
@@ -68,6 +68,12 @@ pub enum SceneError {
         /// What is wrong and what to do.
         problem: String,
     },
+}
+
+/// The built-in scene whose name is like this one, for an error.
+fn did_you_mean(name: &Path) -> String {
+    let like = nearest(&name.to_string_lossy(), builtin::NAMES);
+    like.map_or_else(String::new, |like| format!(" (did you mean {like}?)"))
 }
 
 impl SceneError {

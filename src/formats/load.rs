@@ -1,5 +1,6 @@
 //! Loads a [`Scene`] by name or file.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -102,8 +103,13 @@ pub(crate) fn find(name: &str) -> Result<Source, SceneError> {
         _ if name == "cornell-box" => Ok(Source::CornellBox),
         _ => match builtin::scene_file(name) {
             Some(text) => Ok(Source::File(format!("{name}.toml").into(), text.to_owned())),
-            None if path.exists() => Err(SceneError::UnknownKind(path.to_owned())),
-            None => Err(SceneError::NotFound(path.to_owned())),
+            None => Err(match path.metadata() {
+                Ok(_) => SceneError::UnknownKind(path.to_owned()),
+                Err(reason) if reason.kind() == ErrorKind::PermissionDenied => {
+                    SceneError::Unreadable { file: path.to_owned(), reason }
+                }
+                Err(_) => SceneError::NotFound(path.to_owned()),
+            }),
         },
     }
 }

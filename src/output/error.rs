@@ -23,9 +23,15 @@ pub enum OutputError {
     /// The folder of a file does not exist.
     #[error("{0}: there is no folder {1}; create it first")]
     NoFolder(PathBuf, PathBuf),
-    /// The path exists but is not a regular file.
-    #[error("{0}: exists and is not a regular file; give another name")]
+    /// A folder, or no name of a file.
+    #[error("{0}: is a folder, not a file; give another name")]
     NotAFile(PathBuf),
+    /// The file exists, and nobody may write to it.
+    #[error("{0}: is read-only; make it writable, or give another name")]
+    ReadOnly(PathBuf),
+    /// A picture for a person's eyes would be bytes on a terminal.
+    #[error("--out -: standard output is a terminal; redirect it to a file or a program")]
+    Terminal,
     /// The file does not exist or cannot be read.
     #[error("{path}: cannot be read: {}", plain(source))]
     Read {
@@ -55,7 +61,11 @@ impl OutputError {
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
-            Self::UnknownExtension(_) | Self::UnknownPlot(_) | Self::LayersInPng(_) | Self::Placeholder(..)
+            Self::UnknownExtension(_)
+                | Self::UnknownPlot(_)
+                | Self::LayersInPng(_)
+                | Self::Placeholder(..)
+                | Self::Terminal
         )
     }
 }

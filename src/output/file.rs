@@ -1,15 +1,14 @@
 //! Atomic file output: files appear complete or not at all.
 
-use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
 use super::error::OutputError;
+use super::temporary::Temporary;
 
-/// An output file: checked to be writable first, written to a temporary file in the same folder, then renamed.
+/// An output file: checked to be writable first, written to a temporary file in the same folder, then moved to its place. Mode and
+/// hard links of an existing file are kept.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputFile {
     path: PathBuf,
@@ -20,11 +19,16 @@ impl OutputFile {
     pub fn new(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let file = Self { path: path.into() };
         let folder = folder_of(&file.final_path());
-        if !folder.is_dir() {
-            return Err(OutputError::NoFolder(file.path, folder));
+        match fs::metadata(&folder) {
+            Ok(found) if found.is_dir() => {}
+            Err(source) if source.kind() == ErrorKind::PermissionDenied => return Err(file.error(source)),
+            _ => return Err(OutputError::NoFolder(file.path, folder)),
         }
-        if file.path.file_name().is_none() || (file.path.exists() && !file.path.is_file()) {
+        if file.path.file_name().is_none() || file.path.is_dir() {
             return Err(OutputError::NotAFile(file.path));
+        }
+        if fs::metadata(&file.path).is_ok_and(|old| old.permissions().readonly()) {
+            return Err(OutputError::ReadOnly(file.path));
         }
         file.temporary()?;
         Ok(file)
@@ -46,24 +50,18 @@ impl OutputFile {
         write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), OutputError>,
     ) -> Result<(), OutputError> {
         let mut temporary = self.temporary()?;
-        let mut writer = BufWriter::new(temporary.as_file_mut());
+        let mut writer = BufWriter::new(&mut temporary.file);
         write(&mut writer)?;
         writer.flush().map_err(|source| self.error(source))?;
         drop(writer);
-        self.persist(temporary)
+        temporary.finish().map_err(|source| self.error(source))
     }
 
     /// Starts a file that is written incrementally. An existing file is unchanged until [`Growing::finish`].
     pub fn grow(self) -> Result<Growing, OutputError> {
         let temporary = self.temporary()?;
-        Ok(Growing { writer: BufWriter::new(temporary), file: self })
-    }
-
-    fn persist(&self, temporary: NamedTempFile) -> Result<(), OutputError> {
-        // Some file systems report a full disk only on sync.
-        temporary.as_file().sync_all().map_err(|source| self.error(source))?;
-        temporary.persist(self.final_path()).map_err(|error| self.error(error.error))?;
-        Ok(())
+        let writer = BufWriter::new(temporary.file.try_clone().map_err(|source| self.error(source))?);
+        Ok(Growing { writer, temporary, file: self })
     }
 
     /// Writes a text.
@@ -81,18 +79,9 @@ impl OutputFile {
         OutputError::Write { path: self.path.clone(), source }
     }
 
-    fn temporary(&self) -> Result<NamedTempFile, OutputError> {
+    fn temporary(&self) -> Result<Temporary, OutputError> {
         let target = self.final_path();
-        let mut prefix = OsString::from(".");
-        prefix.push(target.file_name().unwrap_or_default());
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix).suffix(".tmp");
-        // Temporary files are readable by their owner only; use the default mode instead, to which the umask applies.
-        #[cfg(unix)]
-        let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
-        #[cfg(unix)]
-        builder.permissions(permissions);
-        builder.tempfile_in(folder_of(&target)).map_err(|source| self.error(source))
+        Temporary::of(&target, &folder_of(&target)).map_err(|source| self.error(source))
     }
 
     /// The target of symbolic links, so that it is replaced, not the link.
@@ -104,7 +93,8 @@ impl OutputFile {
 /// A file that is written incrementally.
 #[derive(Debug)]
 pub struct Growing {
-    writer: BufWriter<NamedTempFile>,
+    writer: BufWriter<File>,
+    temporary: Temporary,
     file: OutputFile,
 }
 
@@ -114,10 +104,10 @@ impl Growing {
         self.writer.write_all(bytes).map_err(|source| self.file.error(source))
     }
 
-    /// Renames the temporary file to its target.
-    pub fn finish(self) -> Result<(), OutputError> {
-        let temporary = self.writer.into_inner().map_err(|error| self.file.error(error.into_error()))?;
-        self.file.persist(temporary)
+    /// Moves the temporary file to its place.
+    pub fn finish(mut self) -> Result<(), OutputError> {
+        let written = self.writer.flush().and_then(|()| self.temporary.finish());
+        written.map_err(|source| self.file.error(source))
     }
 }
 
@@ -211,6 +201,38 @@ mod tests {
             names(folder.path()),
             ["first.json", "link.json", "new.json", "plain", "real.json", "second.json"]
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn modes_and_hard_links_stay_and_read_only_files_too() {
+        use std::os::unix::fs::{FileTypeExt, MetadataExt, PermissionsExt};
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.json"), folder.path().join("b.json"));
+        let set_mode = |mode| fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+        fs::write(&path, "a longer old text").unwrap();
+        set_mode(0o606);
+        OutputFile::new(&path).unwrap().save_json(&7).unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().mode() & 0o777, 0o606);
+        fs::hard_link(&path, &link).unwrap();
+        OutputFile::new(&link).unwrap().save_json(&8).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "8\n");
+        assert_eq!(fs::metadata(&path).unwrap().nlink(), 2);
+        set_mode(0o444);
+        let error = OutputFile::new(&path).unwrap_err().to_string();
+        assert!(error.ends_with("a.json: is read-only; make it writable, or give another name"), "{error}");
+        OutputFile::new("/dev/null").unwrap().save_json(&9).unwrap();
+        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        assert_eq!(names(folder.path()), ["a.json", "b.json"]);
+    }
+
+    #[test]
+    fn the_longest_names_are_names_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a".repeat(255));
+        OutputFile::new(&path).unwrap().save_json(&7).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "7\n");
+        assert!(OutputFile::new(folder.path().join("a".repeat(256))).is_err());
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod numbered;
 mod picture;
 mod png;
 mod target;
+mod temporary;
 mod tone_map;
 
 pub use error::OutputError;
@@ -16,4 +17,5 @@ pub use file::{Growing, OutputFile};
 pub use numbered::NumberedPath;
 pub use picture::{Layer, Picture};
 pub use target::PictureTarget;
+pub use temporary::exit;
 pub use tone_map::{Tones, automatic_exposure, tone_map};

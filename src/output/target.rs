@@ -1,35 +1,53 @@
-//! The picture output of a run: one file, or a sequence numbered by `{frame}`.
+//! The picture output of a run: one file, a sequence numbered by `{frame}`, or a PNG on standard output.
 
+use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::OutputError;
 use super::file::OutputFile;
 use super::numbered::NumberedPath;
 use super::picture::Picture;
+use super::png;
 
 /// The `--out` of a run: file name, format, and whether layers are written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureTarget {
     name: NumberedPath,
+    is_standard_output: bool,
     is_exr: bool,
     layers: bool,
 }
 
 impl PictureTarget {
-    /// Parses a target such as `a.png` or `frames/{frame:04}.exr` and checks that it is writable, with `layers` or
+    /// Parses a target such as `a.png`, `frames/{frame:04}.exr` or `-` and checks that it is writable, with `layers` or
     /// without.
     pub fn new(path: &Path, layers: bool) -> Result<Self, OutputError> {
+        let is_standard_output = path == "-";
         let is = |kind: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(kind));
         let is_exr = is("exr");
-        if !is_exr && !is("png") {
+        if !is_exr && !is("png") && !is_standard_output {
             return Err(OutputError::UnknownExtension(path.to_path_buf()));
         }
         if layers && !is_exr {
             return Err(OutputError::LayersInPng(path.to_path_buf()));
         }
-        let name = NumberedPath::new(path)?;
-        OutputFile::new(name.path_of(0))?;
-        Ok(Self { name, is_exr, layers })
+        let name = NumberedPath::new(if is_standard_output { Path::new("standard output") } else { path })?;
+        if !is_standard_output {
+            OutputFile::new(name.path_of(0))?;
+        } else if io::stdout().is_terminal() {
+            return Err(OutputError::Terminal);
+        }
+        Ok(Self { name, is_standard_output, is_exr, layers })
+    }
+
+    /// Its name as it was given, or "standard output".
+    pub fn name(&self) -> &Path {
+        self.name.path()
+    }
+
+    /// Whether the picture goes to standard output, where then nothing else may.
+    pub fn is_standard_output(&self) -> bool {
+        self.is_standard_output
     }
 
     /// Whether frame `frame` of `frames` is to be written: every one of a sequence, else the last.
@@ -37,9 +55,19 @@ impl PictureTarget {
         self.name.is_sequence() || frame + 1 == frames
     }
 
+    /// The file of frame `frame`, if it is one.
+    pub fn picture(&self, frame: u64) -> Option<PathBuf> {
+        (!self.is_standard_output).then(|| self.path_of(frame))
+    }
+
+    /// The files of the first `frames` pictures.
+    pub fn pictures(&self, frames: u64) -> impl Iterator<Item = PathBuf> {
+        (0..frames).filter(move |&frame| self.wants(frame, frames)).filter_map(|frame| self.picture(frame))
+    }
+
     /// Whether `file` is one of the first `frames` pictures.
     pub fn writes_to(&self, file: &OutputFile, frames: u64) -> bool {
-        self.name.covers(file, 0..frames)
+        !self.is_standard_output && self.name.covers(file, 0..frames)
     }
 
     /// Whether layers are written.
@@ -50,6 +78,10 @@ impl PictureTarget {
     /// Writes frame `frame`; returns its file.
     pub fn write(&self, picture: &Picture, frame: u64) -> Result<PathBuf, OutputError> {
         let path = self.name.path_of(frame);
+        if self.is_standard_output {
+            print(picture, &path)?;
+            return Ok(path);
+        }
         let file = OutputFile::new(&path)?;
         if self.is_exr {
             file.save_exr(picture)?
@@ -64,9 +96,22 @@ impl PictureTarget {
         self.is_exr
     }
 
-    /// Name of the picture of frame `frame`.
+    /// Name of the picture of frame `frame`; "standard output" where it goes there.
     pub fn path_of(&self, frame: u64) -> PathBuf {
         self.name.path_of(frame)
+    }
+}
+
+/// Writes a PNG to standard output. A reader that has gone away is no error.
+fn print(picture: &Picture, name: &Path) -> Result<(), OutputError> {
+    let mut bytes = Vec::new();
+    png::encode_picture(&mut bytes, picture, name)?;
+    let mut output = io::stdout().lock();
+    match output.write_all(&bytes).and_then(|()| output.flush()) {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
+            Err(OutputError::Write { path: name.to_owned(), source })
+        }
+        _ => Ok(()),
     }
 }
 

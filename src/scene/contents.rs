@@ -9,6 +9,7 @@ use super::animation::Animation;
 use super::bounds::{BoundingSphere, bounds_of};
 use super::camera::Camera;
 use super::environment::Environment;
+use super::file_contents::FileContents;
 use super::light::Light;
 use super::material::{Alpha, Material, Texture};
 use super::mesh::Mesh;
@@ -72,6 +73,8 @@ pub struct Scene {
     pub recording: Arc<Vec<RecordedFrame>>,
     /// Recovered problems, one line each (a missing texture, a missing MTL).
     pub warnings: Vec<String>,
+    /// What its files hold beside.
+    pub files: FileContents,
 }
 
 /// Textures, kind of alpha, whether it is a thin surface, alpha mask, and whether its back shows.
@@ -109,6 +112,7 @@ impl Scene {
             settings: toml::Table::new(),
             recording: Arc::default(),
             warnings: Vec::new(),
+            files: FileContents::default(),
         }
     }
 

@@ -36,7 +36,7 @@ pub(crate) use options::parser_of;
 pub(crate) use registered::Registry;
 pub(crate) use setting::{Group, Setting};
 pub(crate) use table::flat;
-pub(crate) use value::{Kind, read_seconds};
+pub(crate) use value::{Kind, read_seconds, read_whole};
 
 use setting::settings;
 use value::{choice, choices, number, whole};

@@ -245,3 +245,23 @@ fn settings_are_written_as_a_preset_and_what_differs() {
         assert!(json.contains(&format!("\"preset\":\"{name}\"")), "{json}");
     }
 }
+
+#[test]
+fn whole_numbers_may_have_an_exponent() {
+    for (text, number) in [
+        ("12", Some(12)),
+        ("1e3", Some(1000)),
+        ("2.50E2", Some(250)),
+        ("0.5e1", Some(5)),
+        ("1.5e0", None),
+        ("1e-1", None),
+        ("1e", None),
+        ("e3", None),
+        ("1e20", None),
+        ("-1e3", None),
+        ("1.5", None),
+    ] {
+        assert_eq!(read_whole(text), number, "{text}");
+    }
+    assert_eq!(resolve("", &["--vpls", "1e3"]).unwrap().vpl.slots, 1000);
+}

@@ -149,7 +149,7 @@ pub(super) trait SettingType: Copy {
 
 impl SettingType for u32 {
     fn read(text: &str) -> Option<Self> {
-        text.parse().ok()
+        Self::try_from(read_whole(text)?).ok()
     }
 
     fn value(self) -> Value {
@@ -227,6 +227,16 @@ macro_rules! choices {
     )+};
 }
 pub(super) use choices;
+
+/// `2500`, `2.5e3` or `25e2` -> a whole number, if it is exactly one.
+pub(crate) fn read_whole(text: &str) -> Option<u64> {
+    let Some((digits, exponent)) = text.split_once(['e', 'E']) else { return text.parse().ok() };
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let fraction = fraction.trim_end_matches('0');
+    let zeros = exponent.parse::<u32>().ok()?.checked_sub(u32::try_from(fraction.len()).ok()?)?;
+    let number: u64 = format!("{whole}{fraction}").parse().ok()?;
+    number.checked_mul(10_u64.checked_pow(zeros)?)
+}
 
 /// `1/60` or `0.02` -> seconds.
 pub(crate) fn read_seconds(text: &str) -> Option<f64> {

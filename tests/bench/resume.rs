@@ -152,7 +152,7 @@ fn an_interrupted_program_keeps_what_it_has() {
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     assert_fails(
         &child.wait_with_output().unwrap(),
-        1,
+        130,
         &["interrupted after", "of 6 runs; --resume continues"],
     );
     let output = run.glowworm(&["bench", "--out", "a", "--resume"]);

@@ -83,7 +83,7 @@ fn an_interrupted_run_keeps_what_it_has_and_goes_on() {
     let pid = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
-    assert_fails(&output, 1, &["interrupted after", "a.exr holds them", "--resume continues"]);
+    assert_fails(&output, 130, &["interrupted after", "a.exr holds them", "--resume continues"]);
 
     let size = ["--size", "32x32", "--out", "a.exr", "--resume", "--layers"];
     let wrong = reference(&run, &[&size[..], &["--bounces", "1"]].concat());

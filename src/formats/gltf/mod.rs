@@ -77,6 +77,10 @@ fn load_unguarded(
     // As the specification has it.
     scene.metres_per_unit = Some(1.0);
     let mut file = File::open(file, &mut scene)?;
+    let animations = file.source.document.animations();
+    let name = |of: ::gltf::Animation<'_>| of.name().map_or_else(|| of.index().to_string(), str::to_owned);
+    scene.files.animations = animations.map(name).collect();
+    scene.files.cameras = file.source.document.cameras().len();
     let motions = Motions::read(&mut file.source, animation)?;
     let placed = std::mem::take(&mut file.placed);
     let moving = motions.moving(&file.tree);
@@ -150,6 +154,8 @@ struct File {
 impl File {
     fn open(file: &Path, scene: &mut Scene) -> Result<Self, SceneError> {
         let mut source = Source::read(file)?;
+        let names = source.document.extensions_used().map(str::to_owned);
+        scene.files.extensions.extend(names);
         let (tree, placed) = nodes::read(&mut source)?;
         let materials = Materials::add(&mut source, scene)?;
         Ok(Self { source, materials, tree, placed, meshes: HashMap::new() })

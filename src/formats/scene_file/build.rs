@@ -210,6 +210,7 @@ impl Builder<'_> {
             return Err(entry.error(format!("near must be above 0 and below far (near {near}, far {far})")));
         }
         self.scene.camera = Camera { near, far, ..placed };
+        self.scene.files.cameras = 1;
         Ok(())
     }
 }

@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic fails the test")]
 
+mod interruption;
+mod outputs;
+#[path = "../program/mod.rs"]
 mod program;
+mod words;
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +18,14 @@ use serde_json::Value;
 #[test]
 fn help_and_version_are_no_errors() {
     let run = Run::new();
-    for arguments in [&["--help"][..], &["-h"], &["--version"], &["render", "--help"], &["info", "--help"]] {
+    for arguments in [
+        &["--help"][..],
+        &["-h"],
+        &["--version"],
+        &["render", "--help"],
+        &["info", "--help"],
+        &["info", "--version"],
+    ] {
         let output = run.glowworm(arguments);
         assert_eq!(output.status.code(), Some(0));
         assert!(!output.stdout.is_empty() && output.stderr.is_empty());
@@ -70,7 +81,7 @@ fn views_of_what_is_not_there_are_wrong_usage() {
 #[test]
 fn what_is_no_subcommand_is_wrong_usage() {
     let run = Run::new();
-    assert_fails(&run.glowworm(&["rendr", "cornell-box"]), 2, &["cornell-box"]);
+    assert_fails(&run.glowworm(&["rendr", "cornell-box"]), 2, &["did you mean render?"]);
     assert_fails(&run.glowworm(&["render"]), 2, &["--out", "SCENE"]);
     let output = run.glowworm(&["frobnicate"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
@@ -98,11 +109,7 @@ fn a_place_that_cannot_be_written_to_is_found_before_rendering() {
         assert_fails(&run.render("cornell-box", &["--out", out]), code, &[says]);
     }
     fs::create_dir(run.path("folder.png")).unwrap();
-    assert_fails(
-        &run.render("cornell-box", &["--out", "folder.png"]),
-        1,
-        &["folder.png: exists and is not a regular file"],
-    );
+    assert_fails(&run.render("cornell-box", &["--out", "folder.png"]), 1, &["folder.png: is a folder"]);
     assert_fails(&run.render("cornell-box", &["--layers"]), 2, &["a.png: --layers needs an .exr"]);
     assert_fails(&run.render("cornell-box", &["--json", "missing/a.json"]), 1, &["missing/a.json"]);
     assert_eq!(run.files(), ["file", "folder.png"]);
