@@ -24,6 +24,7 @@ mod memory;
 mod mirrors;
 mod motion;
 mod moving_reflections;
+mod near_and_far;
 mod normal_maps;
 mod overlay;
 mod paths;

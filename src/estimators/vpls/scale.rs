@@ -23,8 +23,15 @@ pub(super) fn irradiance_scale(flux: &[f32], length: f32) -> f32 {
     power_of_two_near(flux.iter().sum::<f32>() / (6.0 * length * length)).recip()
 }
 
-/// Median distance from a VPL to its parent VPL in the scene without animation: a length that, unlike the bounds, a
-/// large ground plane does not change. None where no VPL has a parent on a surface.
+/// Median of the lengths of segments between surfaces, without those that lead to what lies around the scene, as a sky dome: they are more
+/// than a thousand times as long as the shortest, the first percentile. None for no lengths.
+pub(super) fn median_length(lengths: &[f32]) -> Option<f32> {
+    let longest = 1000.0 * percentile(lengths.iter().copied(), 0.01)?;
+    percentile(lengths.iter().copied().filter(|length| *length <= longest), 0.5)
+}
+
+/// Median distance from a VPL to its parent VPL in the scene without animation: a length that, unlike the bounds, neither a
+/// large ground plane nor a sky dome changes. None where no VPL has a parent on a surface.
 pub(super) fn median_segment_length(world: World<'_>) -> Option<f32> {
     let pose = world.scene.pose(0.0);
     let mut bvh = Cow::Borrowed(world.bvh);
@@ -36,11 +43,12 @@ pub(super) fn median_segment_length(world: World<'_>) -> Option<f32> {
     let settings = Settings { bounces: 2, vpl, ..Settings::default() };
     let manager = VplManager::new(World { scene: world.scene, pose: &pose, bvh: &bvh }, &settings);
     let slots: Vec<SlotView> = manager.slots().collect();
-    let lengths = slots
+    let lengths: Vec<f32> = slots
         .iter()
         .filter(|slot| slot.state == SlotState::Valid)
         .filter_map(|slot| Some((slot, &slots[slot.parent? as usize])))
         .filter(|(_, parent)| !parent.at_infinity)
-        .map(|(slot, parent)| slot.position.distance(parent.position));
-    percentile(lengths, 0.5)
+        .map(|(slot, parent)| slot.position.distance(parent.position))
+        .collect();
+    median_length(&lengths)
 }

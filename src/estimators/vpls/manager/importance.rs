@@ -11,9 +11,9 @@ use glam::{IVec3, Vec2, Vec3};
 
 use super::emitter::diffuse_ray;
 use crate::bvh::{Ray, World};
+use crate::estimators::vpls::scale::median_length;
 use crate::sampling;
 use crate::scene::{BoundingSphere, Camera, Side, SurfacePoint, WorldSurface};
-use crate::statistics::percentile;
 
 /// Visible points.
 const POINTS: u32 = 64;
@@ -54,8 +54,8 @@ impl Importance {
             })
             .collect();
         let hits = hits(world, &rays, false);
-        let lengths = hits.iter().flatten().map(|hit| hit.0);
-        let length = percentile(lengths, 0.5).unwrap_or(bounds.radius);
+        let lengths: Vec<f32> = hits.iter().flatten().map(|hit| hit.0).collect();
+        let length = median_length(&lengths).unwrap_or(bounds.radius);
         let mut importance = Self { cells: HashMap::new(), width: CELL * length.max(f32::MIN_POSITIVE) };
         let mut counts: HashMap<Cell, f32> = HashMap::new();
         for (hit, ray) in hits.iter().zip(&rays) {
