@@ -12,7 +12,7 @@ struct InstanceData {
     uint flips_winding;                  // 1: its transform swaps left and right
     uint first_triangle;              // of its mesh, among those of all
     uint area_light;                  // index of the area light that it is, plus one; 0: none
-    uint pad2;
+    uint is_dynamic;                  // 1: it may move
 };
 
 // A vertex in buffers.

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// Where each visible surface was in the last frame, and which texels there showed it. In: G-buffer; what the last frame saw. Out:
+// Where each visible surface was in the last frame, and which texels there showed it. Light stays with the place and not with what moves
+// through it: a turning ball has its history where it is now, if it was there. In: G-buffer; what the last frame saw. Out:
 // what this one sees; `reprojected`: xy: motion in pixels; z: which of the four texels around the place show the surface, a bit each
 // by rows; w: which of the 3x3 around the nearest one do (the fallback of Schied et al. 2017).
 #include "frame.glsl"
@@ -32,15 +33,29 @@ uint last_instance_at(ivec2 texel) { return imageLoad(last_instance, texel).x; }
 // Share of the depth; rounding of motion and normals.
 const float ROUNDING = 0.005;
 
-ExpectedSurface expected_at(Surface now, uint index) {
-    InstanceData placed = instances.data[index];
-    vec3 then = transform_point(placed.previous_object_to_world, transform_point(placed.world_to_object, now.position));
+// Least cosine between the normals of a surface that is where it was, and of that which was there.
+const float ALIKE = 0.98;
+
+// What the last frame should have seen, and where, pixels.
+struct Place {
+    ExpectedSurface expected;
+    vec2 pixel;
+};
+
+Place place_of(Surface now, uint id, vec3 then, vec3 normal) {
     vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
-    // Motion is rigid, so normals turn as vectors do.
-    vec3 local = transform_vector(placed.world_to_object, now.shading);
-    vec3 normal = normalize(transform_vector(placed.previous_object_to_world, local));
     float tolerance = clip.w * depth_tolerance(ROUNDING, now.geometric, now.position, pixel_footprint());
-    return ExpectedSurface(VisibleSurface(clip.w, normal), index + 1u, tolerance);
+    return Place(ExpectedSurface(VisibleSurface(clip.w, normal), id, tolerance), (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size) - 0.5);
+}
+
+// Whether the last frame shows a surface of a moving object where it is now, and as it is: then the motion is that of the camera alone.
+bool stays(Surface now, ivec2 pixel, uint id, inout vec2 motion, out vec2 masks) {
+    Place place = place_of(now, id, now.position, now.shading);
+    masks = showing_texels(place.expected, place.pixel - frame.jitter);
+    vec3 normal = last_surface_at(clamp(ivec2(floor(place.pixel - frame.jitter + 0.5)), ivec2(0), ivec2(frame.size) - 1)).normal;
+    if (masks.x == 0.0 || dot(normal, now.shading) < ALIKE) return false;
+    motion = vec2(pixel) - (place.pixel - frame.jitter);
+    return true;
 }
 
 void main() {
@@ -57,6 +72,15 @@ void main() {
     imageStore(surface, pixel, pack_surface(VisibleSurface(now.depth, now.shading)));
     vec2 motion = texelFetch(gbuffer_motion, pixel, 0).xy;
     vec2 masks = vec2(0.0);
-    if (push.has_history == 1u) masks = showing_texels(expected_at(now, id - 1u), vec2(pixel) - motion);
+    if (push.has_history == 1u) {
+        InstanceData placed = instances.data[id - 1u];
+        if (placed.is_dynamic == 0u || !stays(now, pixel, id, motion, masks)) {
+            vec3 then = transform_point(placed.previous_object_to_world, transform_point(placed.world_to_object, now.position));
+            // Motion is rigid, so normals turn as vectors do.
+            vec3 local = transform_vector(placed.world_to_object, now.shading);
+            vec3 normal = normalize(transform_vector(placed.previous_object_to_world, local));
+            masks = showing_texels(place_of(now, id, then, normal).expected, vec2(pixel) - motion);
+        }
+    }
     imageStore(reprojected, pixel, vec4(motion, masks));
 }

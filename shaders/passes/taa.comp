@@ -22,6 +22,9 @@ layout(push_constant) uniform Push {
 // Standard deviations around the mean of the 3x3 pixels in which history is kept.
 const float REACH = 1.0;
 
+// Motion by which an object and its place differ, pixels.
+const float STANDS = 0.1;
+
 // Share of the inverse depth by which what is before a silhouette stands out from the plane behind it.
 const float EDGE = 0.02;
 
@@ -40,6 +43,15 @@ float inverse_depth(ivec2 pixel) {
     return depth > 0.0 ? 1.0 / depth : 0.0;
 }
 
+// Motion of the place that the pixel sees, if only the camera moves.
+vec2 motion_of_place(ivec2 pixel) {
+    float depth = imageLoad(gbuffer_depth, pixel).r;
+    vec4 place = depth > 0.0 ? vec4(position_at(pixel, depth), 1.0) : vec4(pixel_ray(vec2(pixel)), 0.0);
+    vec3 then = (frame.previous_view_projection * place).xyw;
+    if (then.z <= 0.0) return vec2(frame.size);
+    return vec2(pixel) + 0.5 + frame.jitter - (then.xy / then.z * 0.5 + 0.5) * vec2(frame.size);
+}
+
 // Motion of the surface at the pixel, or at a silhouette that of the nearer surface (Karis 2014). On a slanted plane the nearest of the
 // pixels around has another motion, so it counts only where it stands out from the plane through the pixel and its opposite one.
 vec2 motion_at(ivec2 pixel) {
@@ -55,10 +67,7 @@ vec2 motion_at(ivec2 pixel) {
             at = pixel + ivec2(i % 3, i / 3) - 1;
         }
     }
-    if (nearest > 0.0) return texelFetch(gbuffer_motion, at, 0).xy;
-    vec3 then = (frame.previous_view_projection * vec4(pixel_ray(vec2(pixel)), 0.0)).xyw;
-    if (then.z <= 0.0) return vec2(frame.size);
-    return vec2(pixel) + 0.5 + frame.jitter - (then.xy / then.z * 0.5 + 0.5) * vec2(frame.size);
+    return nearest > 0.0 ? texelFetch(gbuffer_motion, at, 0).xy : motion_of_place(pixel);
 }
 
 // Weights of four texels in a row by cubic convolution (Keys 1981), sharper than at a slope of -1/2, Catmull and Rom's: what moves is
@@ -91,40 +100,59 @@ vec4 history_at(vec2 place) {
     return max(sum, 0.0);
 }
 
-// The colour on the way to the mean of those around where it leaves their box: their standard deviation, within their range. Next to
-// a light the deviation exceeds the mean, and alone would admit the dark rings that cubic weights leave there.
-vec3 clipped(vec3 colour, ivec2 pixel) {
-    vec3 sum = vec3(0.0);
-    vec3 squares = vec3(0.0);
-    vec3 least = vec3(1e30);
-    vec3 most = vec3(-1e30);
+// The colours of the 3x3 pixels around, YCoCg.
+struct Box {
+    vec3 mean;
+    vec3 deviation;
+    vec3 least;
+    vec3 most;
+};
+
+Box box_around(ivec2 pixel) {
+    Box box = Box(vec3(0.0), vec3(0.0), vec3(1e30), vec3(-1e30));
     for (int i = 0; i < 9; i++) {
         vec3 around = ycocg(radiance_of(pixel + ivec2(i % 3, i / 3) - 1).rgb);
-        sum += around;
-        squares += around * around;
-        least = min(least, around);
-        most = max(most, around);
+        box.mean += around / 9.0;
+        box.deviation += around * around / 9.0;
+        box.least = min(box.least, around);
+        box.most = max(box.most, around);
     }
-    vec3 mean = sum / 9.0;
-    vec3 reach = REACH * sqrt(max(squares / 9.0 - mean * mean, 0.0));
-    vec3 off = ycocg(colour) - mean;
-    vec3 side = mix(mean - least, most - mean, greaterThan(off, vec3(0.0)));
-    vec3 times = abs(off) / max(min(reach, side), vec3(1e-6) * abs(mean.x) + 1e-20);
-    float farthest = max(times.x, max(times.y, times.z));
-    return max(rgb_of_ycocg(mean + off / max(farthest, 1.0)), 0.0);
+    box.deviation = sqrt(max(box.deviation - box.mean * box.mean, 0.0));
+    return box;
+}
+
+// A colour, and how far it lies from the mean, 1 at the border of the box: the standard deviation, within the range. Next to
+// a light the deviation exceeds the mean, and alone would admit the dark rings that cubic weights leave there.
+struct History { vec4 colour; float off; };
+
+History history_in(Box box, vec2 place) {
+    History found = History(vec4(0.0), 1e30);
+    if (any(lessThanEqual(place, vec2(-0.5))) || any(greaterThanEqual(place, vec2(frame.size) - 0.5))) return found;
+    found.colour = history_at(clamp(place, vec2(0.0), vec2(frame.size) - 1.0));
+    vec3 off = ycocg(found.colour.rgb) - box.mean;
+    vec3 side = mix(box.mean - box.least, box.most - box.mean, greaterThan(off, vec3(0.0)));
+    vec3 times = abs(off) / max(min(REACH * box.deviation, side), vec3(1e-6) * abs(box.mean.x) + 1e-20);
+    found.off = max(times.x, max(times.y, times.z));
+    // On the way to the mean where it leaves the box.
+    found.colour.rgb = max(rgb_of_ycocg(box.mean + off / max(found.off, 1.0)), 0.0);
+    return found;
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (!inside(pixel)) return;
-    vec4 now = radiance_of(pixel);
-    vec2 place = vec2(pixel) - motion_at(pixel);
-    bool seen = all(greaterThan(place, vec2(-0.5))) && all(lessThan(place, vec2(frame.size) - 0.5));
-    vec4 result = now;
-    if (push.alpha < 1.0 && seen) {
-        vec4 then = history_at(clamp(place, vec2(0.0), vec2(frame.size) - 1.0));
-        then.rgb = clipped(then.rgb, pixel);
-        result = mix(then, now, push.alpha);
+    vec4 result = radiance_of(pixel);
+    if (push.alpha < 1.0) {
+        Box box = box_around(pixel);
+        vec2 motion = motion_at(pixel);
+        History before = history_in(box, vec2(pixel) - motion);
+        // Light stays where it is when an object turns: where the object's history does not fit, that of the place may.
+        vec2 of_camera = motion_of_place(pixel);
+        if (before.off > 1.0 && distance(motion, of_camera) > STANDS) {
+            History there = history_in(box, vec2(pixel) - of_camera);
+            if (there.off < before.off) before = there;
+        }
+        if (before.off < 1e30) result = mix(before.colour, result, push.alpha);
     }
     imageStore(antialiased, pixel, rounded(result));
 }

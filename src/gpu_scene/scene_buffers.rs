@@ -193,7 +193,7 @@ impl SceneBuffers {
                 flips_winding: u32::from(now.matrix3.determinant() < 0.0),
                 first_triangle,
                 area_light: area_lights.of_instance(instance),
-                ..InstanceData::default()
+                is_dynamic: u32::from(scene.instances[instance].dynamic),
             })
             .collect();
         self.previous.clone_from(&pose.instances);

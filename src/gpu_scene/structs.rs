@@ -86,8 +86,8 @@ pub struct InstanceData {
     pub first_triangle: u32,
     /// Index of the area light that it is, plus one; 0: none.
     pub area_light: u32,
-    /// Unused.
-    pub pad2: u32,
+    /// 1: it may move.
+    pub is_dynamic: u32,
 }
 
 /// A surface; `MaterialData` in shaders/include/scene.glsl.
@@ -280,7 +280,7 @@ pub(crate) mod tests {
             flips_winding,
             first_triangle,
             area_light,
-            pad2
+            is_dynamic
         );
         same_layout!(
             shaders::GBUFFER_FRAG,

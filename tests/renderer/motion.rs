@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Quat, Vec3};
 use glowworm::scene::{Camera, Pose, Scene};
-use glowworm::settings::{MissingSets, Settings, VplSettings};
+use glowworm::settings::{Indirect, MissingSets, Settings, VplSettings};
 
 use super::still::frozen;
 use super::support::{
@@ -327,5 +327,58 @@ fn what_a_turning_camera_brings_in_is_not_black() {
         let [black, all] = black_at_the_edge(&gpu, &scene);
         eprintln!("{}: {black} of {all} pixels are black", scene.name);
         assert!(all > 1000 && black * 1000 < all, "{}: {black} of {all} pixels are black", scene.name);
+    }
+}
+
+// Takes 4 s: a ball in full turn, and at rest, by three methods.
+#[test]
+fn a_turning_ball_is_as_bright_as_at_rest() {
+    let Some(gpu) = GpuFixture::open() else { return };
+    const FRAMES: u32 = 48;
+    let ball = |degrees: f32| {
+        scene(&format!(
+            r#"
+            [[models]]
+            name = "ball"
+            primitive = "sphere"
+            size = [1, 1, 1]
+            subdivisions = 4
+            material = {{ albedo = [0.8, 0.8, 0.8] }}
+            [[models]]
+            name = "lamp"
+            primitive = "quad"
+            size = [1, 1, 1]
+            material = {{ albedo = [0, 0, 0], emission = [10, 10, 10] }}
+            [[instances]]
+            model = "ball"
+            dynamic = true
+            animation = {{ rotation = {{ axis = [0, 1, 0], degrees_per_second = {degrees} }} }}
+            [[instances]]
+            model = "lamp"
+            translation = [2, 2.5, 1.5]
+            rotation = [180, 0, 0]
+            [[lights]]
+            type = "point"
+            position = [-2, 2, 2]
+            radius = 0.5
+            intensity = [2, 2, 2]
+            [camera]
+            eye = [0, 0, 4]
+            target = [0, 0, 0]
+            vfov_deg = 30
+            "#
+        ))
+    };
+    let paths = Settings { indirect: Indirect::PATHS, ..Settings::default() };
+    for settings in [Settings::default(), paths] {
+        let settings = Settings { size: [48; 2], bounces: 1, still_frames: 0, ..settings };
+        // 12 degrees a frame.
+        let [rest, turning] = [1e-3, 720.0].map(|degrees| {
+            let scene = ball(degrees);
+            let mut renderer = gpu.renderer(&scene, &settings, &scene.pose(0.0));
+            (0..FRAMES).for_each(|frame| renderer.render(&scene.pose(frame as f32 / 60.0)).unwrap());
+            mean(renderer.read_picture(false).unwrap().colour.iter().map(luminance))
+        });
+        assert!((turning / rest - 1.0).abs() < 0.015, "{turning} for {rest}");
     }
 }

@@ -70,8 +70,8 @@ vec4 accumulated(vec4 sampled, ivec2 pixel, Surface centre) {
     vec4 before = vec4(0.0);
     if (vpl.longest_history > 0.0) {
         uint instance = texelFetch(gbuffer_instance, pixel, 0).x - 1u;
-        ObjectPoint point = to_object(instance, centre.position, centre.geometric);
-        if (!look_up(vpl.layer, point, slope_at(pixel, centre), before)) before = vec4(0.0);
+        SeenPlaces places = places_of(instance, centre.position, centre.geometric);
+        if (!look_up(vpl.layer, places, slope_at(pixel, centre), before)) before = vec4(0.0);
     }
     float longest = min(vpl.longest_history, max(LAG / max(sampled.a, 1e-6) - 1.0, 0.0));
     float turns = min(before.a, longest);

@@ -134,11 +134,31 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
     return parameters.scale > 0.0 && p.z > 0.0 && weights > 0.0;
 }
 
+// The places where a set may have seen a surface: light stays with the place and not with what moves through it, so a turning ball finds
+// its light where it is now; else with the object, where that was.
+struct SeenPlaces { ObjectPoint now; ObjectPoint moved; uint first; };
+
+SeenPlaces places_of(uint instance, vec3 p, vec3 n) {
+    // The last rows of a set are those of the world.
+    ObjectPoint now = ObjectPoint(sets.instance_count - 1u, p, n);
+    return SeenPlaces(now, to_object(instance, p, n), instances.data[instance].is_dynamic == 1u ? 0u : 1u);
+}
+
+bool look_up(uint set, SeenPlaces places, float slope, out vec4 found) {
+    bool seen = false;
+    for (uint place = places.first; place < 2u && !seen; place++) {
+        ObjectPoint point = places.now;
+        if (place == 1u) point = places.moved;
+        seen = look_up(set, point, slope, found);
+    }
+    return seen;
+}
+
 // The sum of all sets at the surface that a pixel sees (algorithm 4 of Tonna 2019). Sets that have not seen it, or that were rendered
 // before much has changed, are made up for by the others, in proportion to flux. a: how many sets saw it. Out: the variance of the
 // sum's luminance, as the sets differ.
 vec4 sum_of_sets(uint instance, vec3 position, vec3 normal, float slope, out float variance) {
-    ObjectPoint point = to_object(instance, position, normal);
+    SeenPlaces places = places_of(instance, position, normal);
     bool scaled = sets.scale_missing == 1u;
     vec4 sum = vec4(0.0);
     float flux = 0.0;
@@ -146,7 +166,7 @@ vec4 sum_of_sets(uint instance, vec3 position, vec3 normal, float slope, out flo
     vec3 moments = vec3(0.0); // of the weights, the luminance, its square
     for (uint set = 0u; set < sets.set_count; set++) {
         vec4 found;
-        if (!look_up(set, point, slope, found)) continue;
+        if (!look_up(set, places, slope, found)) continue;
         vec3 irradiance = found.rgb;
         float weight = scaled ? set_weight(set) : 1.0;
         float light = luminance(irradiance);

@@ -59,21 +59,21 @@ vec3 unfiltered(ivec2 pixel) {
 // Irradiance of the set at this pixel's surface, tone-mapped; marked where the set has none.
 vec3 set_reprojected(ivec2 pixel, uint instance) {
     Surface surface = surface_at(pixel);
-    ObjectPoint point = to_object(instance, surface.position, surface.geometric);
+    SeenPlaces places = places_of(instance, surface.position, surface.geometric);
     vec4 found;
-    return look_up(sets.shown_set, point, slope_at(pixel, surface), found) ? lit(found.rgb * float(sets.set_count)) : MISSING;
+    return look_up(sets.shown_set, places, slope_at(pixel, surface), found) ? lit(found.rgb * float(sets.set_count)) : MISSING;
 }
 
 // How old the light of this pixel is, on average over the sets by their weights: of each turn that a set is the mean of, the frames since.
 vec3 staleness(ivec2 pixel, uint instance) {
     Surface surface = surface_at(pixel);
-    ObjectPoint point = to_object(instance, surface.position, surface.geometric);
+    SeenPlaces places = places_of(instance, surface.position, surface.geometric);
     float slope = slope_at(pixel, surface);
     float ages = 0.0;
     float weights = 0.0;
     for (uint set = 0u; set < sets.set_count; set++) {
         vec4 found;
-        if (!look_up(set, point, slope, found)) continue;
+        if (!look_up(set, places, slope, found)) continue;
         float since = float((sets.frame - set_at(set).frame) & 0xffffu);
         float turns_before = max(found.a - 1.0, 0.0);
         ages += set_weight(set) * (since + 0.5 * turns_before * float(sets.set_count));

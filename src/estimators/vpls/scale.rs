@@ -2,10 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::manager::{SlotState, SlotView, VplManager};
+use super::manager::{SlotState, SlotView, VplManager, median_length};
 use crate::bvh::World;
 use crate::settings::{Settings, VplSettings};
-use crate::statistics::percentile;
 
 /// Bound c of the geometry term, 1/m^2, where surfaces that light each other are about `length` apart; 0: none.
 pub(super) fn geometry_bound(settings: &VplSettings, length: f32) -> f32 {
@@ -21,13 +20,6 @@ fn power_of_two_near(value: f32) -> f32 {
 /// is brought near 1 by a power of two, so that half floats neither overflow nor lose digits, whatever the scene's units.
 pub(super) fn irradiance_scale(flux: &[f32], length: f32) -> f32 {
     power_of_two_near(flux.iter().sum::<f32>() / (6.0 * length * length)).recip()
-}
-
-/// Median of the lengths of segments between surfaces, without those that lead to what lies around the scene, as a sky dome: they are more
-/// than a thousand times as long as the shortest, the first percentile. None for no lengths.
-pub(super) fn median_length(lengths: &[f32]) -> Option<f32> {
-    let longest = 1000.0 * percentile(lengths.iter().copied(), 0.01)?;
-    percentile(lengths.iter().copied().filter(|length| *length <= longest), 0.5)
 }
 
 /// Median distance from a VPL to its parent VPL in the scene without animation: a length that, unlike the bounds, neither a

@@ -11,9 +11,9 @@ use glam::{IVec3, Vec2, Vec3};
 
 use super::emitter::diffuse_ray;
 use crate::bvh::{Ray, World};
-use crate::estimators::vpls::scale::median_length;
 use crate::sampling;
 use crate::scene::{BoundingSphere, Camera, Side, SurfacePoint, WorldSurface};
+use crate::statistics::percentile;
 
 /// Visible points.
 const POINTS: u32 = 64;
@@ -102,6 +102,13 @@ impl Importance {
         let place = surface.position / self.width + 0.3 * normal;
         (place.floor().as_ivec3(), face as u8)
     }
+}
+
+/// Median of the lengths of segments between surfaces, without those that lead to what lies around the scene, as a sky dome: they are more
+/// than a thousand times as long as the shortest, the first percentile. None for no lengths.
+pub(in crate::estimators::vpls) fn median_length(lengths: &[f32]) -> Option<f32> {
+    let longest = 1000.0 * percentile(lengths.iter().copied(), 0.01)?;
+    percentile(lengths.iter().copied().filter(|length| *length <= longest), 0.5)
 }
 
 fn direction_cell(direction: Vec3) -> Cell {

@@ -32,6 +32,7 @@ mod vpl_manager;
 
 pub use counters::{InvalidatedBy, Invalidation, InvalidationReason, VplCounters};
 pub use glossy_lobe::GlossyLobe;
+pub(super) use importance::median_length;
 pub use inspect::VplContribution;
 #[cfg(feature = "bench")]
 pub(crate) use inspect::contribution;
