@@ -7,9 +7,14 @@
 
 mod accessor;
 mod attributes;
+mod buffers;
+#[cfg(feature = "draco")]
+mod draco;
 mod extensions;
 mod materials;
 mod meshes;
+#[cfg(feature = "meshopt")]
+mod meshopt;
 mod motion;
 mod nodes;
 mod repair;

@@ -15,6 +15,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
+use super::buffers::range;
 use super::extensions::{Support, extensions_of_shapes, support_of};
 use super::repair::repair;
 use crate::formats::error::SceneError;
@@ -111,7 +112,7 @@ impl Source {
         let mut not_shown = BTreeSet::new();
         let of_shapes = extensions_of_shapes(&document);
         repair(&mut document, &mut not_shown);
-        let root: json::Root = serde_json::from_value(document).map_err(wrong)?;
+        let mut root: json::Root = serde_json::from_value(document).map_err(wrong)?;
         let mut source = Self {
             file: file.to_owned(),
             quantized: root.extensions_used.iter().any(|name| name == "KHR_mesh_quantization"),
@@ -121,6 +122,7 @@ impl Source {
         };
         source.check(&root, &of_shapes)?;
         source.buffers = source.read_buffers(&root, blob)?;
+        unpack(&mut root, &mut source.buffers).map_err(|why| source.error(why))?;
         source.document = Arc::new(::gltf::Document::from_json_without_validation(root));
         Ok(source)
     }
@@ -137,7 +139,7 @@ impl Source {
         }
         for name in &root.extensions_required {
             let advice = match support_of(name) {
-                Support::Refused(advice) => advice,
+                Support::Refused(advice) if of_shapes.contains(name) => advice,
                 Support::Unknown if of_shapes.contains(name) => "export the file again without it",
                 _ => continue,
             };
@@ -190,6 +192,10 @@ impl Source {
 
     fn read_buffers(&self, root: &json::Root, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, SceneError> {
         let read = |(index, buffer): (usize, &json::Buffer)| {
+            #[cfg(feature = "meshopt")]
+            if super::meshopt::is_fallback(buffer) {
+                return Ok(Vec::new());
+            }
             let bytes = match &buffer.uri {
                 Some(uri) => self.resolve(uri).map_err(|why| self.error(format!("buffer {index} {why}")))?,
                 None => blob.take().filter(|_| index == 0).ok_or_else(|| {
@@ -255,18 +261,22 @@ impl Source {
 
     /// The bytes of a buffer view; the error completes a sentence about what has it.
     pub fn view(&self, view: &::gltf::buffer::View<'_>) -> Result<&[u8], String> {
-        let bytes = &self.buffers[view.buffer().index()];
-        let end = view.offset().checked_add(view.length());
-        end.and_then(|end| bytes.get(view.offset()..end)).ok_or_else(|| {
-            format!(
-                "has buffer view {} (bytes {} to {}), out of the range of its buffer, which has {} bytes; export the file again",
-                view.index(),
-                view.offset(),
-                view.offset().saturating_add(view.length()),
-                bytes.len()
-            )
-        })
+        range(&self.buffers, view.buffer().index(), view.offset(), view.length())
+            .map_err(|why| format!("has buffer view {} {why}", view.index()))
     }
+}
+
+/// Decodes what is compressed; the error completes a sentence about the file.
+#[cfg_attr(
+    not(any(feature = "draco", feature = "meshopt")),
+    allow(unused_variables, clippy::unnecessary_wraps)
+)]
+fn unpack(root: &mut json::Root, buffers: &mut Vec<Vec<u8>>) -> Result<(), String> {
+    #[cfg(feature = "meshopt")]
+    super::meshopt::decode(root, buffers)?;
+    #[cfg(feature = "draco")]
+    super::draco::decode(root, buffers)?;
+    Ok(())
 }
 
 /// Whether all numbers that are read fit into 32-bit floats.

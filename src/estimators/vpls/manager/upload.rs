@@ -13,7 +13,7 @@ use super::glossy_lobe::GlossyLobe;
 use super::slots::{SlotHistory, SlotState, SlotView};
 use super::vpl_manager::VplManager;
 use crate::bvh::World;
-use crate::scene::{BoundingSphere, WorldSurface, luminance};
+use crate::scene::{BoundingSphere, luminance};
 
 /// A VPL as the shaders see it (std430, 64 bytes).
 #[repr(C)]
