@@ -196,11 +196,16 @@ pub fn all() -> Vec<Files> {
     scene.insert(0, ("s.toml".into(), TOML.into()));
     inputs.push(scene);
     let sky = TOML.replace("background = [0.1, 0.1, 0.1]", "environment = { map = \"t.exr\", strength = 2 }");
-    inputs.extend([draco(EDGEBREAKER), draco(VALENCE), draco(SEQUENTIAL)].map(gltf));
-    let name = "EXT_meshopt_compression";
-    let packed =
-        [meshopt(name, POSITIONS, "NONE", false), meshopt(name, POSITIONS_EXPONENTIAL, "EXPONENTIAL", true)];
-    inputs.extend(packed.map(gltf));
+    inputs.push(gltf(plain()));
+    if cfg!(feature = "draco") {
+        inputs.extend([draco(EDGEBREAKER), draco(VALENCE), draco(SEQUENTIAL)].map(gltf));
+    }
+    if cfg!(feature = "meshopt") {
+        let (old, new) = ("EXT_meshopt_compression", "KHR_meshopt_compression");
+        inputs.push(gltf(meshopt(old, POSITIONS, "NONE", false)));
+        inputs.push(gltf(meshopt(old, POSITIONS_EXPONENTIAL, "EXPONENTIAL", true)));
+        inputs.push(gltf(meshopt(new, POSITIONS_1, "NONE", false)));
+    }
     for (name, content) in images() {
         if name.ends_with("exr") || name.ends_with("hdr") {
             let scene = sky.replace("t.exr", &name).into_bytes();
