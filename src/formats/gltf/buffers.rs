@@ -2,8 +2,8 @@
 //!
 //! In: a document and its buffers. Out: ranges of them; and buffers beside them, of what has been unpacked.
 
+#[cfg(any(feature = "draco", feature = "meshopt"))]
 use ::gltf::json;
-use ::gltf::json::Index;
 
 /// `length` bytes from `offset` of a buffer; the error completes a sentence about what has them.
 pub(super) fn range(
@@ -24,7 +24,12 @@ pub(super) fn range(
 }
 
 /// Adds a buffer of these bytes.
-pub(super) fn add(root: &mut json::Root, buffers: &mut Vec<Vec<u8>>, bytes: Vec<u8>) -> Index<json::Buffer> {
+#[cfg(any(feature = "draco", feature = "meshopt"))]
+pub(super) fn add(
+    root: &mut json::Root,
+    buffers: &mut Vec<Vec<u8>>,
+    bytes: Vec<u8>,
+) -> json::Index<json::Buffer> {
     let byte_length = bytes.len().into();
     buffers.push(bytes);
     root.push(json::Buffer { byte_length, name: None, uri: None, extensions: None, extras: None })

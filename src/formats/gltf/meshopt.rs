@@ -67,8 +67,8 @@ pub(super) fn decode(root: &mut json::Root, buffers: &mut Vec<Vec<u8>>) -> Resul
     for index in 0..root.buffer_views.len() {
         let extensions = root.buffer_views[index].extensions.as_ref();
         let Some(value) = extensions.and_then(|extensions| extension(&extensions.others)) else { continue };
-        let bytes = decoded(value, buffers).map_err(|why| format!("compressed buffer view {index} {why}"))?;
-        let (packed, bytes) = bytes;
+        let (packed, bytes) =
+            decoded(value, buffers).map_err(|why| format!("compressed buffer view {index} {why}"))?;
         let byte_length = bytes.len().into();
         let buffer = add(root, buffers, bytes);
         let view = &mut root.buffer_views[index];

@@ -112,7 +112,7 @@ impl Source {
         let mut not_shown = BTreeSet::new();
         let of_shapes = extensions_of_shapes(&document);
         repair(&mut document, &mut not_shown);
-        let mut root: json::Root = serde_json::from_value(document).map_err(wrong)?;
+        let root: json::Root = serde_json::from_value(document).map_err(wrong)?;
         let mut source = Self {
             file: file.to_owned(),
             quantized: root.extensions_used.iter().any(|name| name == "KHR_mesh_quantization"),
@@ -122,7 +122,8 @@ impl Source {
         };
         source.check(&root, &of_shapes)?;
         source.buffers = source.read_buffers(&root, blob)?;
-        unpack(&mut root, &mut source.buffers).map_err(|why| source.error(why))?;
+        #[cfg(any(feature = "draco", feature = "meshopt"))]
+        let root = source.unpack(root)?;
         source.document = Arc::new(::gltf::Document::from_json_without_validation(root));
         Ok(source)
     }
@@ -225,6 +226,16 @@ impl Source {
         root.buffers.iter().enumerate().map(read).collect()
     }
 
+    /// Decodes what is compressed.
+    #[cfg(any(feature = "draco", feature = "meshopt"))]
+    fn unpack(&mut self, mut root: json::Root) -> Result<json::Root, SceneError> {
+        #[cfg(feature = "meshopt")]
+        super::meshopt::decode(&mut root, &mut self.buffers).map_err(|why| self.error(why))?;
+        #[cfg(feature = "draco")]
+        super::draco::decode(&mut root, &mut self.buffers).map_err(|why| self.error(why))?;
+        Ok(root)
+    }
+
     /// The bytes of a data URI or of a file below the folder of this one; the error completes a sentence about it.
     pub fn resolve(&self, uri: &str) -> Result<Vec<u8>, String> {
         if uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:")) {
@@ -264,19 +275,6 @@ impl Source {
         range(&self.buffers, view.buffer().index(), view.offset(), view.length())
             .map_err(|why| format!("has buffer view {} {why}", view.index()))
     }
-}
-
-/// Decodes what is compressed; the error completes a sentence about the file.
-#[cfg_attr(
-    not(any(feature = "draco", feature = "meshopt")),
-    allow(unused_variables, clippy::unnecessary_wraps)
-)]
-fn unpack(root: &mut json::Root, buffers: &mut Vec<Vec<u8>>) -> Result<(), String> {
-    #[cfg(feature = "meshopt")]
-    super::meshopt::decode(root, buffers)?;
-    #[cfg(feature = "draco")]
-    super::draco::decode(root, buffers)?;
-    Ok(())
 }
 
 /// Whether all numbers that are read fit into 32-bit floats.
