@@ -7,6 +7,8 @@ use base64::engine::general_purpose::STANDARD;
 use image::{DynamicImage, ImageFormat};
 use serde_json::{Value, json};
 
+use super::compressed::*;
+
 /// Files by name; the first is the scene.
 pub type Files = Vec<(String, Vec<u8>)>;
 
@@ -149,8 +151,7 @@ fn document() -> (Value, Vec<u8>) {
     (document, bytes)
 }
 
-fn gltf() -> Files {
-    let (mut document, bytes) = document();
+fn gltf((mut document, bytes): (Value, Vec<u8>)) -> Files {
     document["buffers"][0]["uri"] = json!("m.bin");
     vec![("s.gltf".into(), document.to_string().into_bytes()), ("m.bin".into(), bytes)]
 }
@@ -189,11 +190,22 @@ pub fn all() -> Vec<Files> {
     let model = |image: Vec<u8>| -> Files {
         vec![("m.obj".into(), OBJ.into()), ("m.mtl".into(), MTL.into()), ("t.png".into(), image)]
     };
-    let mut inputs = vec![gltf(), glb(), gltf(), glb(), model(png(2, 8)), model(png(3, 1))];
+    let mut inputs =
+        vec![gltf(document()), glb(), gltf(document()), glb(), model(png(2, 8)), model(png(3, 1))];
     let mut scene = model(png(0, 16));
     scene.insert(0, ("s.toml".into(), TOML.into()));
     inputs.push(scene);
     let sky = TOML.replace("background = [0.1, 0.1, 0.1]", "environment = { map = \"t.exr\", strength = 2 }");
+    inputs.push(gltf(plain()));
+    if cfg!(feature = "draco") {
+        inputs.extend([draco(EDGEBREAKER), draco(VALENCE), draco(SEQUENTIAL)].map(gltf));
+    }
+    if cfg!(feature = "meshopt") {
+        let (old, new) = ("EXT_meshopt_compression", "KHR_meshopt_compression");
+        inputs.push(gltf(meshopt(old, POSITIONS, "NONE", false)));
+        inputs.push(gltf(meshopt(old, POSITIONS_EXPONENTIAL, "EXPONENTIAL", true)));
+        inputs.push(gltf(meshopt(new, POSITIONS_1, "NONE", false)));
+    }
     for (name, content) in images() {
         if name.ends_with("exr") || name.ends_with("hdr") {
             let scene = sky.replace("t.exr", &name).into_bytes();

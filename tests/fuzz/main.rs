@@ -5,6 +5,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 
+#[path = "../support/compressed.rs"]
+mod compressed;
 #[path = "../support/depth.rs"]
 mod depth;
 mod inputs;

@@ -8,9 +8,12 @@ mod broken_gltf;
 mod broken_models;
 mod broken_runs;
 mod broken_scene_files;
+#[path = "../support/compressed.rs"]
+mod compressed;
 mod documents;
 mod environments;
 mod gltf;
+mod gltf_compressed;
 mod gltf_files;
 mod gltf_pictures;
 mod gltf_poses;

@@ -13,7 +13,7 @@ pub(super) enum Support {
     Approximated,
     /// It is left out with a warning, also where the file requires it.
     Ignored,
-    /// A file that requires it is refused, with this advice.
+    /// A file that requires it for shapes is refused, with this advice.
     Refused(&'static str),
     /// Nobody here knows it: a file that requires it for shapes is refused, otherwise it is ignored.
     Unknown,
@@ -34,24 +34,31 @@ const IGNORED: &str = "EXT_instance_features EXT_lights_ies EXT_lights_image_bas
     MSFT_packing_occlusionRoughnessMetallic";
 
 const EXPORT: &str = "export the file again without it";
-const UNPACK: &str = "unpack it with gltfpack -i FILE -o unpacked.glb -noq";
-const REFUSED: [(&str, &str); 5] = [
-    ("EXT_mesh_primitive_restart", EXPORT),
-    ("EXT_meshopt_compression", UNPACK),
-    ("KHR_draco_mesh_compression", "decode it with gltf-transform copy FILE decoded.glb"),
-    ("KHR_gaussian_splatting", EXPORT),
-    ("KHR_meshopt_compression", UNPACK),
+const REFUSED: [(&str, &str); 2] =
+    [("EXT_mesh_primitive_restart", EXPORT), ("KHR_gaussian_splatting", EXPORT)];
+
+const MESHOPT: &str =
+    "unpack it with gltfpack -i FILE -o unpacked.glb -noq, or build with the feature meshopt";
+const DRACO: &str = "decode it with gltf-transform copy FILE decoded.glb, or build with the feature draco";
+/// Those that are read where a feature is built, which the advice tells.
+const FEATURES: [(&str, bool, &str); 3] = [
+    ("EXT_meshopt_compression", cfg!(feature = "meshopt"), MESHOPT),
+    ("KHR_draco_mesh_compression", cfg!(feature = "draco"), DRACO),
+    ("KHR_meshopt_compression", cfg!(feature = "meshopt"), MESHOPT),
 ];
 
 /// What becomes of the extension `name`.
 pub(super) fn support_of(name: &str) -> Support {
     let lists = [(READ, Support::Read), (APPROXIMATED, Support::Approximated), (IGNORED, Support::Ignored)];
-    let found = lists.iter().find(|(names, _)| names.split_whitespace().any(|known| known == name));
-    let refused = || REFUSED.iter().find(|(known, _)| *known == name);
-    found.map_or_else(
-        || refused().map_or(Support::Unknown, |(_, advice)| Support::Refused(advice)),
-        |(_, support)| *support,
-    )
+    let listed = |names: &str| names.split_whitespace().any(|known| known == name);
+    let of_list = lists.iter().find(|(names, _)| listed(names)).map(|(_, support)| *support);
+    let of_feature = || {
+        let (_, is_built, advice) = FEATURES.iter().find(|(known, ..)| *known == name)?;
+        Some(if *is_built { Support::Read } else { Support::Refused(advice) })
+    };
+    let refused =
+        || REFUSED.iter().find(|(known, _)| *known == name).map(|(_, advice)| Support::Refused(advice));
+    of_list.or_else(of_feature).or_else(refused).unwrap_or(Support::Unknown)
 }
 
 /// The extensions that a document uses in meshes and what they consist of.
@@ -94,6 +101,7 @@ mod tests {
             .iter()
             .flat_map(|(word, names)| names.split_whitespace().map(move |name| (name, *word)))
             .chain(REFUSED.iter().map(|(name, _)| (*name, "refused")))
+            .chain(FEATURES.iter().map(|(name, ..)| (*name, "read")))
             .collect();
         known.sort_unstable();
         assert_eq!(rows, known);

@@ -7,9 +7,14 @@
 
 mod accessor;
 mod attributes;
+mod buffers;
+#[cfg(feature = "draco")]
+mod draco;
 mod extensions;
 mod materials;
 mod meshes;
+#[cfg(feature = "meshopt")]
+mod meshopt;
 mod motion;
 mod nodes;
 mod repair;
@@ -273,10 +278,8 @@ impl File {
         let near = lens.znear();
         let far = lens.zfar().filter(|far| *far > near).unwrap_or(f32::INFINITY);
         let degrees = lens.yfov().to_degrees();
-        if !(0.01..=170.0).contains(&degrees)
-            || !(near > 0.0 && near.is_finite())
-            || forward.cross(up).length() < 1e-4
-        {
+        let is_usable = (0.01..=170.0).contains(&degrees) && near > 0.0 && near.is_finite();
+        if !is_usable || forward.cross(up).length() < 1e-4 {
             return Err(self.source.error(format!(
                 "camera {}: needs a field of view from 0.01 to 170 degrees and a near plane above 0; export it again",
                 camera.index()

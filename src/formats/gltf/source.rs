@@ -15,6 +15,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
+use super::buffers::range;
 use super::extensions::{Support, extensions_of_shapes, support_of};
 use super::repair::repair;
 use crate::formats::error::SceneError;
@@ -121,6 +122,8 @@ impl Source {
         };
         source.check(&root, &of_shapes)?;
         source.buffers = source.read_buffers(&root, blob)?;
+        #[cfg(any(feature = "draco", feature = "meshopt"))]
+        let root = source.unpack(root)?;
         source.document = Arc::new(::gltf::Document::from_json_without_validation(root));
         Ok(source)
     }
@@ -137,7 +140,7 @@ impl Source {
         }
         for name in &root.extensions_required {
             let advice = match support_of(name) {
-                Support::Refused(advice) => advice,
+                Support::Refused(advice) if of_shapes.contains(name) => advice,
                 Support::Unknown if of_shapes.contains(name) => "export the file again without it",
                 _ => continue,
             };
@@ -190,6 +193,10 @@ impl Source {
 
     fn read_buffers(&self, root: &json::Root, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, SceneError> {
         let read = |(index, buffer): (usize, &json::Buffer)| {
+            #[cfg(feature = "meshopt")]
+            if super::meshopt::is_fallback(buffer) {
+                return Ok(Vec::new());
+            }
             let bytes = match &buffer.uri {
                 Some(uri) => self.resolve(uri).map_err(|why| self.error(format!("buffer {index} {why}")))?,
                 None => blob.take().filter(|_| index == 0).ok_or_else(|| {
@@ -217,6 +224,16 @@ impl Source {
             Ok(bytes)
         };
         root.buffers.iter().enumerate().map(read).collect()
+    }
+
+    /// Decodes what is compressed.
+    #[cfg(any(feature = "draco", feature = "meshopt"))]
+    fn unpack(&mut self, mut root: json::Root) -> Result<json::Root, SceneError> {
+        #[cfg(feature = "meshopt")]
+        super::meshopt::decode(&mut root, &mut self.buffers).map_err(|why| self.error(why))?;
+        #[cfg(feature = "draco")]
+        super::draco::decode(&mut root, &mut self.buffers).map_err(|why| self.error(why))?;
+        Ok(root)
     }
 
     /// The bytes of a data URI or of a file below the folder of this one; the error completes a sentence about it.
@@ -255,17 +272,8 @@ impl Source {
 
     /// The bytes of a buffer view; the error completes a sentence about what has it.
     pub fn view(&self, view: &::gltf::buffer::View<'_>) -> Result<&[u8], String> {
-        let bytes = &self.buffers[view.buffer().index()];
-        let end = view.offset().checked_add(view.length());
-        end.and_then(|end| bytes.get(view.offset()..end)).ok_or_else(|| {
-            format!(
-                "has buffer view {} (bytes {} to {}), out of the range of its buffer, which has {} bytes; export the file again",
-                view.index(),
-                view.offset(),
-                view.offset().saturating_add(view.length()),
-                bytes.len()
-            )
-        })
+        range(&self.buffers, view.buffer().index(), view.offset(), view.length())
+            .map_err(|why| format!("has buffer view {} {why}", view.index()))
     }
 }
 
