@@ -10,7 +10,6 @@ import re
 import resource
 import subprocess
 import tempfile
-import traceback
 from pathlib import Path
 
 import numpy as np
@@ -64,12 +63,10 @@ class Pictures:
     """Renders inputs, each once for the same options."""
 
     def __init__(self, program, folder):
-        self.program, self.folder = program, folder
-        self.made = {}
+        self.program, self.folder, self.made = program, folder, {}
 
     def of(self, method, case, known, file):
         command, *settings = METHODS[method]
-        scene = self.folder / case / file
         options = [*settings, "--size", known.size, *known.view]
         if command == "render":
             options += ["--frames", known.frames, *known.render]
@@ -77,53 +74,50 @@ class Pictures:
         else:
             options += ["--spp", known.spp, *known.reference]
             options += ["--time-step", "1/60", "--frame", round(60 * known.time)] if known.time is not None else []
-        key = (command, str(scene), *map(str, options))
+        key = (command, case, file, *map(str, options))
         if key not in self.made:
             picture = self.program.folder / f"{len(self.made)}.exr"
-            self.program.start(command, scene, "--layers", *options, "--out", picture, timeout=SECONDS)
+            self.program.start(command, self.folder / case / file, "--layers", *options, "--out", picture, timeout=SECONDS)
             self.made[key] = Picture(picture, lambda other: self.of(method, case, known, other))
         return self.made[key]
 
 
-def loads(program, folder, known):
+def few_addresses():
+    resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
+
+
+def loads(pictures, case, known):
     """What became of loading the inputs, and whether all went right: how they ended, the memory, what was said."""
-    patterns = [known.files] if isinstance(known.files, str) else known.files
-    files = [file for pattern in patterns for file in sorted(folder.glob(pattern))]
+    files = [file for pattern in known.file.split() for file in sorted((pictures.folder / case).glob(pattern))]
     wrong = []
     for file in files:
         with tempfile.TemporaryFile("w+") as said:
-            run = subprocess.Popen([program.binary, "reference", file, "--size", "8x8", "--spp", "1", "--out", program.folder / "loaded.exr"], stdout=said, stderr=said,
-                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES, ADDRESSES)))
+            command = ["reference", file, "--size", "8x8", "--spp", "1", "--out", pictures.program.folder / "loaded.exr"]
+            run = subprocess.Popen([pictures.program.binary, *command], stdout=said, stderr=said, preexec_fn=few_addresses)
             _, status, usage = os.wait4(run.pid, 0)
             run.returncode = os.waitstatus_to_exitcode(status)
             said.seek(0)
             text = said.read()
         megabytes = usage.ru_maxrss / 1024
-        if run.returncode != int(known.refused) or not re.search(known.says, text) or re.search(known.silent, text) or (known.megabytes or megabytes) < megabytes:
+        expected = run.returncode == int(known.refused) and re.search(known.says, text) and not re.search(known.silent, text)
+        if not expected or known.megabytes and megabytes > known.megabytes:
             wrong.append(f"{file.name} (exit {run.returncode}, {megabytes:.0f} MB)")
             progress(f"{file}: {text}")
-    return (f"{len(files) - len(wrong)} of {len(files)}" + (", not " + ", ".join(wrong) if wrong else "")), bool(files) and not wrong
+    found = f"{len(files) - len(wrong)} of {len(files)}" + (f", not {', '.join(wrong)}" if wrong else "")
+    return ["", "", found], bool(files) and not wrong
 
 
-def figure(value):
-    return f"{value:.4g}"
-
-
-def measure(pictures, case, known):
+def measured(pictures, case, known):
     """What each method finds, and whether it is right."""
     found, good = [], True
     for method in METHODS:
         try:
             value = float(known.probe(pictures.of(method, case, known, known.file)))
-            found.append(figure(value))
+            found.append(f"{value:.4g}")
             good &= abs(value - known.right) <= known.within * known.scale
-        except (Failed, subprocess.TimeoutExpired) as failed:
-            progress(failed)
+        except (Failed, subprocess.TimeoutExpired, ValueError) as failed:
+            progress(f"{case}, {known.file}: {failed}")
             found.append("fails")
-            good = False
-        except (ValueError, IndexError, KeyError):
-            progress(traceback.format_exc())
-            found.append("no figure")
             good = False
     return found, good
 
@@ -146,14 +140,9 @@ def main():
                 progress(f"{case}: there is no such folder in {options.folder}")
                 continue
             for known in rows:
-                if isinstance(known, Loads):
-                    ended, good = loads(pictures.program, options.folder / case, known)
-                    right, name, found = known.right, known.files if isinstance(known.files, str) else ", ".join(known.files), ["", "", ended]
-                else:
-                    found, good = measure(pictures, case, known)
-                    right, name = figure(known.right), known.file
+                found, good = (loads if isinstance(known, Loads) else measured)(pictures, case, known)
                 off += not good
                 verdict = ("right" if good else "OFF") + (f" (within {known.tolerance})" if known.tolerance else "")
-                print(f"| {case} | {name}: {known.what} | {right} | {' | '.join(found)} | {verdict} |", flush=True)
+                print(f"| {case} | {known.file}: {known.what} | {known} | {' | '.join(found)} | {verdict} |", flush=True)
     print(f"\n{off} of {sum(map(len, chosen.values()))} are off" + (f"; {missing} cases have no folder" if missing else ""))
     return 1 if off or missing else 0

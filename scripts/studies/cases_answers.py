@@ -28,6 +28,9 @@ class Known:
     render: list = field(default_factory=list)
     reference: list = field(default_factory=list)
 
+    def __str__(self):
+        return f"{self.right:.4g}"
+
     def __post_init__(self):
         self.scale = abs(self.right) if self.scale is None else self.scale
         self.tolerance = f"{self.within:g} of {self.scale:.3g}: {self.why}" if self.why else ""
@@ -35,8 +38,8 @@ class Known:
 
 @dataclass
 class Loads:
-    """Inputs that are all read, or refused, with a message that has one pattern and not the other; within a megabytes of memory if given."""
-    files: list
+    """Inputs (patterns) that are all read, or refused, with a message that has one pattern and not the other; within a megabytes of memory if given."""
+    file: str
     what: str
     says: str = ""
     silent: str = "panicked|checkerboard|could not|not glTF 2.0"
@@ -44,8 +47,8 @@ class Loads:
     megabytes: int = None
     tolerance = ""
 
-    def __post_init__(self):
-        self.right = ("refused" if self.refused else "loads") + (f", below {self.megabytes} MB" if self.megabytes else "")
+    def __str__(self):
+        return ("refused" if self.refused else "loads") + (f", below {self.megabytes} MB" if self.megabytes else "")
 
 
 def look(eye, target, vfov, *more):
@@ -252,8 +255,8 @@ CASES = {
               expected(spot, lambda p, low=low, high=high: (cosine(p) > low) & (cosine(p) < high), "direct"), look("1,4,0.01", "1,0,0", 50), frames=2, spp=16, render=NONE)
         for low, high in [(0.9, 1), (0.8, 0.9), (0.7, 0.8), (0.6, 0.7)]],
     "12-names": [
-        Loads(["tex/[!a]*.gltf", "tex/apostrophe.gltf"], "images of any name"),
-        Loads(["tex/abs.gltf"], "a file of the system is no image", "out of the folder|could not", silent="panicked"),
+        Loads("tex/[!a]*.gltf tex/apostrophe.gltf", "images of any name"),
+        Loads("tex/abs.gltf", "a file of the system is no image", "out of the folder|could not", silent="panicked"),
         Loads("model/*.gltf", "images in a folder beside"),
         Loads("data/*.[gG]*", "data URIs, names of any letters"),
     ],
@@ -293,7 +296,7 @@ CASES = {
             ("grey8", GREY), ("greyalpha", GREY), ("palette-trns", srgb(200, 40, 90)), ("onebit", (1, 1, 1)), ("rgb16", srgb(128, 64, 32)),
             ("grey16", [400 / 65535 / 12.92] * 3), ("jpeg", srgb(199, 60, 29)), ("jpeg-cmyk", RED), ("jpeg-exif180", srgb(199, 60, 29)),
             ("gamma-chunk", GREY), ("chrm", RED), ("1x1", RED), ("1x16384", RED), ("webp-no-ext", RED), ("emission-grey8", GREY)]],
-        Loads(["truncated.gltf", "zero-bytes.gltf", "gif.gltf"], "says what is wrong", "could not be decoded|empty", silent="panicked"),
+        Loads("truncated.gltf zero-bytes.gltf gif.gltf", "says what is wrong", "could not be decoded|empty", silent="panicked"),
     ],
     "25-obj": [
         *[Known(f"{name}.obj", "area, m^2", area, share(lambda p: p.z > -0.5, (12 * tan(radians(20))) ** 2), within=0.03, why=PIXELS, **OBJ)
@@ -307,10 +310,10 @@ CASES = {
     ],
     "27-many-nodes-bare": [Loads("*.gltf", "in 6 GB of addresses", megabytes=300)],
     "28-files": [
-        Loads("bom*.obj anim-*.gltf palette.obj morph-noview.gltf vertex-colours.obj utm.obj image-no-mime.gltf".split(), "whole or in part", silent="panicked|not glTF 2.0"),
-        Loads(["texture-no-source.gltf"], "loads"),
-        Loads(["light-behind.gltf"], "says that it is dark", "dark|behind"),
-        Loads(["scene-empty.gltf"], "has nothing in it", "no triangles|no meshes", refused=True),
+        Loads("bom*.obj anim-*.gltf palette.obj morph-noview.gltf vertex-colours.obj utm.obj image-no-mime.gltf", "whole or in part", silent="panicked|not glTF 2.0"),
+        Loads("texture-no-source.gltf", "loads"),
+        Loads("light-behind.gltf", "says that it is dark", "dark|behind"),
+        Loads("scene-empty.gltf", "has nothing in it", "no triangles|no meshes", refused=True),
         Known("utm.obj", "dark pixels (the 20th part) of a face under the sky over its median", 1, evenness("colour", lambda p: p.z > 5400019.9), render=NONE,
               within=0.05, why=NOISE),
     ],
