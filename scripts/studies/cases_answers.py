@@ -128,6 +128,12 @@ def between_texels(name, values, channel=0):
     return lambda p: np.mean([min(abs(found - value) for value in values) > 0.005 for found in p[name][..., channel][~np.isnan(p.x)]])
 
 
+def rim(p):
+    """Pixels of a surface whose neighbours in a row or column see none."""
+    seen = ~np.isnan(p.x)
+    return seen & ~np.logical_and.reduce([np.roll(seen, step, axis) for step in (-1, 1) for axis in (0, 1)])
+
+
 def flatness(p):
     """How far shading normals are from those of the surface between neighbouring pixels."""
     step = np.diff(p.position, axis=1)
@@ -274,10 +280,11 @@ CASES = {
               size="48x48", frames=frames, render=NONE, within=0.03, why="320 triangles are less than a ball")
         for frames in (16, 64) for low, high in [(0, 0.4), (0.4, 0.8), (0.8, 2)]],
     "18-furnace-lowpoly": [
-        Known(f"{name}.toml", f"{what} pixel", 1, lambda p, figure=figure: figure(p.lum()[~np.isnan(p.x)]), size="48x48", render=NONE, reference=["--bounces", 4],
-              **tolerance)
-        for name in ["rough0", "rough0_5", "rough1", "lambert"]
-        for what, figure, tolerance in [("mean", np.mean, {}), ("least", np.min, WORST), ("greatest", np.max, WORST)]],
+        Known(f"{name}.toml", what, 1, probe, size="48x48", render=NONE, reference=["--bounces", 4], **tolerance)
+        for name in ["rough0", "rough0_5", "rough1", "lambert"] for what, probe, tolerance in [
+            ("mean of the ball", lambda p: p.lum()[~np.isnan(p.x)].mean(), {}), ("mean of its rim", lambda p: p.lum()[rim(p)].mean(), {}),
+            ("darkest 20th part of the rim", lambda p: np.percentile(p.lum()[rim(p)], 5), WORST),
+            ("brightest 20th part of the rim", lambda p: np.percentile(p.lum()[rim(p)], 95), WORST)]],
     "21-motion": [
         Known("scale-step-hides.gltf", "cube is seen at 0.5 s, x", 0, front(0, 0.4), time=0.5, **MOVES),
         Known("scale-step-hides.gltf", "pixels of the cube at 1.5 s", 0, share(lambda p: p.z > -1), time=1.5, **MOVES),
