@@ -376,7 +376,7 @@ fn a_turning_ball_is_as_bright_as_at_rest() {
         let [rest, turning] = [1e-3, 720.0].map(|degrees| {
             let scene = ball(degrees);
             let mut renderer = gpu.renderer(&scene, &settings, &scene.pose(0.0));
-            (0..FRAMES).for_each(|frame| renderer.render(&scene.pose(frame as f32 / 60.0)).unwrap());
+            (0..FRAMES).for_each(|frame| renderer.render(&scene.pose(f64::from(frame) / 60.0)).unwrap());
             mean(renderer.read_picture(false).unwrap().colour.iter().map(luminance))
         });
         assert!((turning / rest - 1.0).abs() < 0.015, "{turning} for {rest}");
