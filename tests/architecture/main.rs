@@ -2,9 +2,13 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod rooms;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use rooms::ROOMS;
 
 /// Endings of source files, and how a comment begins at their top.
 const SOURCE: [(&str, &str); 5] =
@@ -12,7 +16,7 @@ const SOURCE: [(&str, &str); 5] =
 
 /// Every path that the map names: at the beginning of each line, with commas between.
 fn named() -> BTreeSet<PathBuf> {
-    let text = include_str!("../ARCHITECTURE.md");
+    let text = include_str!("../../ARCHITECTURE.md");
     let start = text.find("```text\nglowworm, test").expect("the map begins with the two commands");
     let map = text[start..].split("```").nth(1).unwrap();
     let paths =
@@ -64,175 +68,6 @@ fn every_source_file_says_what_it_is_for() {
         );
     }
 }
-
-/// The rooms of the house from the bottom up, each with the rooms that it may use. A room is a file or folder of `src`, or a
-/// folder in a room that has rules of its own.
-const ROOMS: &[(&str, &[&str])] = &[
-    ("activity", &[]),
-    ("untrusted", &[]),
-    ("memory", &[]),
-    ("sampling", &[]),
-    ("statistics", &[]),
-    ("settings", &[]),
-    ("bsdf", &["sampling"]),
-    ("vulkan", &[]),
-    ("report", &["settings", "statistics", "vulkan"]),
-    ("scene", &["bsdf", "memory", "sampling", "settings", "statistics"]),
-    ("bvh", &["activity", "memory", "scene"]),
-    ("builtin", &["sampling", "scene", "settings"]),
-    (
-        "formats",
-        &["activity", "builtin", "bvh", "untrusted", "memory", "sampling", "scene", "settings", "statistics"],
-    ),
-    ("output", &["untrusted", "scene", "settings"]),
-    ("metrics", &["untrusted", "output", "statistics"]),
-    ("plot", &["output"]),
-    ("reference", &["bsdf", "bvh", "memory", "output", "sampling", "scene", "settings"]),
-    ("export", &["output", "report", "scene"]),
-    ("gpu_scene", &["bvh", "report", "scene", "settings", "vulkan"]),
-    ("passes", &["bvh", "gpu_scene", "report", "scene", "settings", "vulkan"]),
-    ("denoise", &["gpu_scene", "passes", "report", "settings", "vulkan"]),
-    ("filters", &["passes", "report", "scene", "settings", "vulkan"]),
-    ("effects", &["denoise", "gpu_scene", "passes", "report", "scene", "settings", "vulkan"]),
-    (
-        "estimators",
-        &[
-            "bvh",
-            "denoise",
-            "effects",
-            "filters",
-            "gpu_scene",
-            "passes",
-            "report",
-            "scene",
-            "settings",
-            "vulkan",
-        ],
-    ),
-    (
-        "estimators/vpls/manager",
-        &["bsdf", "bvh", "formats", "report", "sampling", "scene", "settings", "statistics"],
-    ),
-    (
-        "estimators/vpls",
-        &[
-            "bvh",
-            "denoise",
-            "estimators",
-            "estimators/vpls/manager",
-            "gpu_scene",
-            "passes",
-            "report",
-            "scene",
-            "settings",
-            "statistics",
-            "vulkan",
-        ],
-    ),
-    (
-        "renderer",
-        &[
-            "bvh",
-            "denoise",
-            "effects",
-            "estimators",
-            "formats",
-            "gpu_scene",
-            "output",
-            "passes",
-            "report",
-            "scene",
-            "settings",
-            "vulkan",
-        ],
-    ),
-    (
-        "dataset",
-        &[
-            "bvh",
-            "denoise",
-            "estimators",
-            "gpu_scene",
-            "output",
-            "passes",
-            "reference",
-            "renderer",
-            "scene",
-            "settings",
-            "vulkan",
-        ],
-    ),
-    (
-        "bench",
-        &[
-            "builtin",
-            "bvh",
-            "estimators",
-            "formats",
-            "gpu_scene",
-            "metrics",
-            "output",
-            "passes",
-            "plot",
-            "reference",
-            "renderer",
-            "report",
-            "sampling",
-            "scene",
-            "settings",
-            "statistics",
-            "vulkan",
-        ],
-    ),
-    (
-        "demo",
-        &[
-            "bench",
-            "builtin",
-            "bvh",
-            "estimators",
-            "formats",
-            "metrics",
-            "output",
-            "passes",
-            "plot",
-            "reference",
-            "renderer",
-            "report",
-            "scene",
-            "settings",
-            "statistics",
-            "vulkan",
-        ],
-    ),
-    (
-        "cli",
-        &[
-            "activity",
-            "bench",
-            "builtin",
-            "dataset",
-            "demo",
-            "estimators",
-            "export",
-            "untrusted",
-            "formats",
-            "metrics",
-            "output",
-            "passes",
-            "plot",
-            "reference",
-            "renderer",
-            "report",
-            "scene",
-            "settings",
-            "statistics",
-            "vulkan",
-        ],
-    ),
-    ("lib", &[]),
-    ("main", &["cli"]),
-];
 
 /// Who may know the VPLs besides themselves: the table of methods, and the faces that show them.
 const KNOW_VPLS: [&str; 7] = [
