@@ -74,7 +74,8 @@ void main() {
     vec2 masks = vec2(0.0);
     if (push.has_history == 1u) {
         InstanceData placed = instances.data[id - 1u];
-        if (placed.is_dynamic == 0u || !stays(now, pixel, id, motion, masks)) {
+        bool moved = placed.object_to_world != placed.previous_object_to_world;
+        if (!moved || !stays(now, pixel, id, motion, masks)) {
             vec3 then = transform_point(placed.previous_object_to_world, transform_point(placed.world_to_object, now.position));
             // Motion is rigid, so normals turn as vectors do.
             vec3 local = transform_vector(placed.world_to_object, now.shading);
