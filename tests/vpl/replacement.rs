@@ -179,13 +179,14 @@ fn plate_slides_out_from_under_its_vpls() {
         stage.frame(&mut manager);
         for set in all_sets(&manager, &stage, &settings) {
             for vpl in set {
+                // A ray offset above the surface.
                 let p = vpl.position;
-                let on_floor = p.y.abs() < 1e-5;
-                let on_plate = (p.y - 0.5).abs() < 1e-5 && (p.x - slid).abs() < 1.0 + 1e-5;
+                let on_floor = p.y.abs() < 2e-4;
+                let on_plate = (p.y - 0.5).abs() < 2e-4 && (p.x - slid).abs() < 1.0 + 2e-4;
                 assert!(on_floor || on_plate, "{p} hangs in the air");
                 // It is still lit.
                 let to_vpl = (p - Vec3::new(0.0, 2.0, 0.0)).normalize();
-                assert!(to_vpl.dot(Vec3::NEG_Y) > 0.6f32.cos() - 1e-4, "{p} in the dark");
+                assert!(to_vpl.dot(Vec3::NEG_Y) > 0.6f32.cos() - 2e-4, "{p} in the dark");
             }
         }
     }
