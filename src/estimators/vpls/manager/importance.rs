@@ -105,9 +105,9 @@ impl Importance {
 }
 
 /// Median of the lengths of segments between surfaces, without those that lead to what lies around the scene, as a sky dome: they are more
-/// than a thousand times as long as the shortest, the first percentile. None for no lengths.
+/// than ten thousand times as long as the shortest, the first percentile. None for no lengths.
 pub fn median_length(lengths: &[f32]) -> Option<f32> {
-    let longest = 1000.0 * percentile(lengths.iter().copied(), 0.01)?;
+    let longest = 1e4 * percentile(lengths.iter().copied(), 0.01)?;
     percentile(lengths.iter().copied().filter(|length| *length <= longest), 0.5)
 }
 
