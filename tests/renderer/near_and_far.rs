@@ -67,7 +67,7 @@ fn what_is_far_and_black_changes_nothing() {
         };
         let alone = drawn("");
         for (primitive, size, place) in [
-            ("sphere", [1e4; 3], [0.0; 3]),
+            ("sphere", [1e5; 3], [0.0; 3]),
             ("sphere", [1e6; 3], [0.0; 3]),
             ("quad", [1.0; 3], [1e6, 0.0, 0.0]),
         ] {
