@@ -39,13 +39,12 @@ float pixel_footprint() { return length(frame.ray_y.xyz) * 2.0 / float(frame.siz
 
 float greatest(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
-// What a point of a triangle may be off by, as a part of the coordinates of the triangle's corners, in interpolation and intersection: some
-// roundings. Twin: `ray_offset` in src/scene/world_surface.rs.
+// Rounding error of interpolation and intersection, relative to the coordinates of the triangle's corners. Twin: `ray_offset` in
+// src/scene/world_surface.rs.
 const float CORNER_ROUNDING = 4e-7;
 
-// How far ray ends are moved off their surfaces at world position p: far beyond the rounding of positions, far below anything that can be
-// seen. Rounding grows with the coordinates, and that of rasterized depths, off by 1e-5, with the distance to the eye; rays from what
-// is far from the eye have less to spare than a small part of the scene.
+// Distance by which ray ends lie off their surfaces at world position p. The rounding error of p grows with its coordinates, that of
+// rasterized depth, about 1e-5, with the distance to the eye; a fifth of the scene's radius bounds that, for views from far away.
 float ray_offset(vec3 p) {
     return 2e-5 * max(greatest(abs(p)), min(distance(p, frame.eye.xyz), 0.2 * frame.eye.w));
 }

@@ -70,8 +70,8 @@ vec2 motion() {
     return gl_FragCoord.xy + frame.jitter - (clip_then.xy / clip_then.z * 0.5 + 0.5) * vec2(frame.size);
 }
 
-// View depth, nearer by the rounding that corners far away bring, so that rays do not meet the triangle again: the plane of the triangle is
-// moved along its normal. Twins: `surface_of` in shaders/include/hit.glsl, `ray_offset` in src/scene/world_surface.rs.
+// View depth of the triangle's plane, moved along the normal by the rounding error of its corners, so that rays do not meet the triangle
+// again. Twins: `surface_of` in shaders/include/hit.glsl, `ray_offset` in src/scene/world_surface.rs.
 float lifted_depth(vec3 geometric) {
     float depth = 1.0 / gl_FragCoord.w;
     float cosine = abs(dot(geometric, pixel_ray(gl_FragCoord.xy - 0.5)));

@@ -17,7 +17,7 @@ layout(location = 2) out vec4 uvs;
 layout(location = 3) out vec3 clip_then;
 layout(location = 4) out vec4 tangent;
 layout(location = 5) out vec4 colour;
-layout(location = 6) out float extent; // greatest coordinate in the world; that of the triangle's corners sets the rounding of its points
+layout(location = 6) out float extent; // greatest world coordinate of the triangle's corners, interpolated: its points are rounded relative to it
 
 void main() {
     InstanceData instance = instances.data[push.instance];

@@ -33,10 +33,10 @@ uint last_instance_at(ivec2 texel) { return imageLoad(last_instance, texel).x; }
 // Share of the depth; rounding of motion and normals.
 const float ROUNDING = 0.005;
 
-// Least cosine between the normals of a surface that is where it was, and of that which was there.
-const float ALIKE = 0.98;
+// Least cosine between the normal of a surface and that which the last frame saw at its place.
+const float SAME_NORMAL = 0.98;
 
-// What the last frame should have seen, and where, pixels.
+// What the last frame should have seen, and at which pixel.
 struct Place {
     ExpectedSurface expected;
     vec2 pixel;
@@ -45,16 +45,16 @@ struct Place {
 Place place_of(Surface now, uint id, vec3 then, vec3 normal) {
     vec4 clip = frame.previous_view_projection * vec4(then, 1.0);
     float tolerance = clip.w * depth_tolerance(ROUNDING, now.geometric, now.position, pixel_footprint());
-    return Place(ExpectedSurface(VisibleSurface(clip.w, normal), id, tolerance), (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size) - 0.5);
+    return Place(ExpectedSurface(VisibleSurface(clip.w, normal), id, tolerance), (clip.xy / clip.w * 0.5 + 0.5) * vec2(frame.size) - 0.5 - frame.jitter);
 }
 
-// Whether the last frame shows a surface of a moving object where it is now, and as it is: then the motion is that of the camera alone.
-bool stays(Surface now, ivec2 pixel, uint id, inout vec2 motion, out vec2 masks) {
+// Whether the last frame saw a moving object's surface where it is now, with its normal: then the motion is that of the camera alone.
+bool is_stationary(Surface now, ivec2 pixel, uint id, inout vec2 motion, out vec2 masks) {
     Place place = place_of(now, id, now.position, now.shading);
-    masks = showing_texels(place.expected, place.pixel - frame.jitter);
-    vec3 normal = last_surface_at(clamp(ivec2(floor(place.pixel - frame.jitter + 0.5)), ivec2(0), ivec2(frame.size) - 1)).normal;
-    if (masks.x == 0.0 || dot(normal, now.shading) < ALIKE) return false;
-    motion = vec2(pixel) - (place.pixel - frame.jitter);
+    masks = showing_texels(place.expected, place.pixel);
+    ivec2 nearest = clamp(ivec2(floor(place.pixel + 0.5)), ivec2(0), ivec2(frame.size) - 1);
+    if (masks.x == 0.0 || dot(last_surface_at(nearest).normal, now.shading) < SAME_NORMAL) return false;
+    motion = vec2(pixel) - place.pixel;
     return true;
 }
 
@@ -75,7 +75,7 @@ void main() {
     if (push.has_history == 1u) {
         InstanceData placed = instances.data[id - 1u];
         bool moved = placed.object_to_world != placed.previous_object_to_world;
-        if (!moved || !stays(now, pixel, id, motion, masks)) {
+        if (!moved || !is_stationary(now, pixel, id, motion, masks)) {
             vec3 then = transform_point(placed.previous_object_to_world, transform_point(placed.world_to_object, now.position));
             // Motion is rigid, so normals turn as vectors do.
             vec3 local = transform_vector(placed.world_to_object, now.shading);

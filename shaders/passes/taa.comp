@@ -22,8 +22,8 @@ layout(push_constant) uniform Push {
 // Standard deviations around the mean of the 3x3 pixels in which history is kept.
 const float REACH = 1.0;
 
-// Motion by which an object and its place differ, pixels.
-const float STANDS = 0.1;
+// Least difference between the motion of a surface and that of its place by which it counts as moving, pixels.
+const float LEAST_MOTION = 0.1;
 
 // Share of the inverse depth by which what is before a silhouette stands out from the plane behind it.
 const float EDGE = 0.02;
@@ -121,7 +121,7 @@ Box box_around(ivec2 pixel) {
     return box;
 }
 
-// A colour, and how far it lies from the mean, 1 at the border of the box: the standard deviation, within the range. Next to
+// History clipped to the box, and how far it lay from the mean; 1: at the border, which is the standard deviation within the range. Next to
 // a light the deviation exceeds the mean, and alone would admit the dark rings that cubic weights leave there.
 struct History { vec4 colour; float off; };
 
@@ -133,7 +133,6 @@ History history_in(Box box, vec2 place) {
     vec3 side = mix(box.mean - box.least, box.most - box.mean, greaterThan(off, vec3(0.0)));
     vec3 times = abs(off) / max(min(REACH * box.deviation, side), vec3(1e-6) * abs(box.mean.x) + 1e-20);
     found.off = max(times.x, max(times.y, times.z));
-    // On the way to the mean where it leaves the box.
     found.colour.rgb = max(rgb_of_ycocg(box.mean + off / max(found.off, 1.0)), 0.0);
     return found;
 }
@@ -146,11 +145,13 @@ void main() {
         Box box = box_around(pixel);
         vec2 motion = motion_at(pixel);
         History before = history_in(box, vec2(pixel) - motion);
-        // Light stays where it is when an object turns: where the object's history does not fit, that of the place may.
-        vec2 of_camera = motion_of_place(pixel);
-        if (before.off > 1.0 && distance(motion, of_camera) > STANDS) {
-            History there = history_in(box, vec2(pixel) - of_camera);
-            if (there.off < before.off) before = there;
+        // Light stays with the place when an object turns: where the object's history leaves the box, that of the place may not.
+        if (before.off > 1.0) {
+            vec2 of_place = motion_of_place(pixel);
+            if (distance(motion, of_place) > LEAST_MOTION) {
+                History there = history_in(box, vec2(pixel) - of_place);
+                if (there.off < before.off) before = there;
+            }
         }
         if (before.off < 1e30) result = mix(before.colour, result, push.alpha);
     }

@@ -10,8 +10,9 @@ use super::texture_use::Attributes;
 
 /// Offset of a ray origin along the unit normal at the surface point `p`, against self-intersection and leaks. The rounding error of `p`
 /// grows with its own components, and along the normal with those of the triangle it was interpolated on, whose greatest magnitudes are
-/// `extent` (Pharr et al. 2023, section 6.8.1); both factors are generous, some 70 to 300 roundings. Intersection is off by a few roundings of the greatest of
-/// these in any direction. Other objects do not count, however large they are. Scenes far from the origin are rendered about an anchor (`Scene::anchor`).
+/// `extent` (Pharr et al. 2023, section 6.8.1); both factors allow 70 to 300 roundings. Intersection is off by a few roundings of the
+/// greatest of these in any direction. Other objects do not count, however large. Scenes far from the origin are rendered
+/// about an anchor (`Scene::anchor`).
 pub(crate) fn ray_offset(p: Vec3, normal: Vec3, extent: Vec3) -> f32 {
     (2e-5 * p.abs().max_element()).max(4e-6 * normal.abs().dot(extent)).max(4e-7 * extent.max_element())
 }
@@ -40,7 +41,8 @@ impl WorldSurface {
     }
 
     /// Irradiance on the surface per irradiance across the unit direction `to_light`: the cosine between that and the shading normal,
-    /// plus the cosine of the direction below the triangle that the triangle mirrors to it (`reference::path`). Twin: `received` in shaders/include/surface.glsl.
+    /// plus the cosine of the direction below the triangle that the triangle mirrors to it (`reference::path`).
+    /// Twin: `received` in shaders/include/surface.glsl.
     pub(crate) fn received(&self, to_light: Vec3) -> f32 {
         let cosine = self.normal.dot(to_light);
         let above = self.geometric_normal.dot(to_light);

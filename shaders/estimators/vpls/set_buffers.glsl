@@ -134,8 +134,8 @@ bool look_up(uint set, ObjectPoint surface, float slope, out vec4 found) {
     return parameters.scale > 0.0 && p.z > 0.0 && weights > 0.0;
 }
 
-// The places where a set may have seen a surface: light stays with the place and not with what moves through it, so a turning ball finds
-// its light where it is now; else with the object, where that was.
+// Where a set may have seen a surface: at its place now, as light stays with the place when an object turns; else where the object was.
+// `first`: 1 for what is static, which was nowhere else.
 struct SeenPlaces { ObjectPoint now; ObjectPoint moved; uint first; };
 
 SeenPlaces places_of(uint instance, vec3 p, vec3 n) {
